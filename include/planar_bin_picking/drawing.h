@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// DXF drawing -> the contours of a flat part.
+///
+/// Everything that is not an edge of the part (text, dimensions, hatches, annotation layers, centre
+/// lines, invisible layers) is left out; what remains is chained into closed loops and classified.
+/// Prints may stay open. Lengths leave this file in metres.
+
+#include "planar_bin_picking/types.h"
+
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking {
+
+enum class LoopKind : std::uint8_t { kOuter, kHole, kPrint };
+
+/// One contour as a polyline in the part frame.
+struct Loop {
+  LoopKind kind = LoopKind::kOuter;
+  bool closed = true;  ///< the last point joins the first (it is not repeated)
+  /// Metres. Outer loops run counter-clockwise, holes clockwise: the material is on the left.
+  std::vector<Eigen::Vector2d> points;
+};
+
+/// The contours of one flat part: exactly one outer loop, then holes, then prints.
+struct Drawing {
+  std::vector<Loop> loops;
+};
+
+/// Which layers of a drawing are edges. Patterns are matched without case; `*` stands for anything.
+struct DrawingParams {
+  std::vector<std::string> keep_layers;  ///< if not empty, only these are read
+  std::vector<std::string> skip_layers = {"DIM*", "CENTER*", "TITLE*", "TEXT*", "BORDER*",
+                                          "DEFPOINTS"};
+  std::vector<std::string> print_layers = {"PRINT*", "SILK*", "ENGRAVE*"};  ///< front face only
+  double chord_tolerance_mm = 0.01;  ///< curves become chords that stay this close to them
+  double join_tolerance_mm = 0.05;   ///< end points closer than this belong together
+};
+
+/// Reads the contours of one part.
+/// @throws std::runtime_error  naming file, entity or layer, and remedy: unreadable, binary or
+///         truncated file, nothing drawn, open or branching contour, self-intersection, several
+///         outer contours, unknown unit, absurd size (outside 1 mm .. 10 m)
+Drawing loadDrawing(const std::string& path, const DrawingParams& params = {});
+
+}  // namespace planar_bin_picking

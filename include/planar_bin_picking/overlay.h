@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// A picture of the result for people: outlines of the located parts, their ranks and axes.
+
+#include "planar_bin_picking/camera.h"
+#include "planar_bin_picking/part_model.h"
+#include "planar_bin_picking/types.h"
+
+#include <opencv2/core/mat.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// @param image       8- or 16-bit, one channel, of the camera's size
+/// @param parts       those that Detection::part indexes
+/// @return            8-bit BGR of the same size
+cv::Mat drawOverlay(const cv::Mat& image, const Camera& camera,
+                    const std::vector<std::shared_ptr<const PartModel>>& parts,
+                    const std::vector<Detection>& detections);
+
+}  // namespace planar_bin_picking

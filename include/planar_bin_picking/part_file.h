@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// A part as its user describes it: a drawing, and optionally a few lines of YAML beside it.
+
+#include "planar_bin_picking/drawing.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// Where the robot's tool goes, relative to the part.
+struct PickPose {
+  std::string name;
+  FaceFilter face = FaceFilter::kAny;  ///< the face that must be up for it
+  Eigen::Isometry3d T_part_pick = Eigen::Isometry3d::Identity();
+};
+
+/// Everything a user said about a part.
+struct PartFile {
+  std::string name;  ///< the stem of the file
+  Drawing drawing;
+  double thickness = 0.0;  ///< metres; 0 where unknown
+  std::vector<PickPose> pick_poses;
+};
+
+/// Reads `<name>.yaml` (keys: drawing, thickness_mm, keep_layers, skip_layers, print_layers,
+/// pick_poses) or a drawing alone. A drawing beside which a yaml of the same stem lies is read with it.
+/// @throws std::runtime_error  naming file, key, value and remedy (unknown keys are refused)
+PartFile loadPartFile(const std::string& path);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// A part prepared for the stages: outline samples, symmetry and everything else that depends on the
+/// drawing alone. Made once per part, immutable, shared.
+
+#include "planar_bin_picking/part_file.h"
+#include "planar_bin_picking/symmetry.h"
+#include "planar_bin_picking/types.h"
+
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// One point of the outline, in the part frame's x and y.
+struct OutlinePoint {
+  Eigen::Vector2d position;  ///< metres
+  Eigen::Vector2d normal;    ///< unit, out of the material (for a print: to the right of the line)
+  int loop = 0;              ///< index into Drawing::loops
+  LoopKind kind = LoopKind::kOuter;
+};
+
+class PartModel {
+ public:
+  /// @throws std::invalid_argument  an outline without an outer loop, a negative thickness
+  explicit PartModel(PartFile file);
+
+  const std::string& name() const { return file_.name; }
+  const PartFile& file() const { return file_; }
+  const Symmetry& symmetry() const { return symmetry_; }
+  double thickness() const { return file_.thickness; }
+  double radius() const { return radius_; }                ///< of the circle about center(), metres
+  const Eigen::Vector2d& center() const { return center_; }  ///< of the bounding box
+  bool hasPrint() const { return has_print_; }
+  /// Evenly spaced along all loops, loop by loop, in order; prints at the end.
+  const std::vector<OutlinePoint>& outline() const { return outline_; }
+  /// z of a face in the part frame: 0 for the front, -thickness for the back.
+  double faceZ(Face face) const { return face == Face::kFront ? 0.0 : -thickness(); }
+
+ private:
+  PartFile file_;
+  Symmetry symmetry_;
+  Eigen::Vector2d center_ = Eigen::Vector2d::Zero();
+  double radius_ = 0.0;
+  bool has_print_ = false;
+  std::vector<OutlinePoint> outline_;
+};
+
+}  // namespace planar_bin_picking

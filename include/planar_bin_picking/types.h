@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Types that pass between the stages of the localization.
+///
+/// Data flows one way and changes its type at every step:
+///
+///     cv::Mat -> EdgeMap -> Candidate -> RefinedPose -> ScoredPose -> Detection
+///               edges.h     hough.h      refine.h       score.h       rank.h
+///
+/// Frames: `part` is the drawing's frame (x right, y up as drawn, z out of the drawn front face, the
+/// body in -thickness <= z <= 0); `camera` is the optical frame (x right, y down, z forward).
+/// Transforms are `T_target_source`: x_camera = T_camera_part * x_part. Metres and radians; anything
+/// else wears its unit in its name. Pixel (0, 0) is the centre of the top-left pixel.
+///
+/// References, cited as [n] all over the package:
+///  [1] A. Pretto, S. Tonello, E. Menegatti: Flexible 3D localization of planar objects for industrial
+///      bin-picking with monocamera vision system. IEEE CASE 2013.
+///  [2] M. Imperoli, A. Pretto: D2CO: Fast and robust registration of 3D textureless objects using the
+///      directional chamfer distance. ICVS 2015.
+///  [3] S. Hinterstoisser et al.: Gradient response maps for real-time detection of textureless
+///      objects. IEEE TPAMI 34(5), 2012.
+///  [4] T. Collins, A. Bartoli: Infinitesimal plane-based pose estimation. IJCV 109(3), 2014.
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// The face of a part that is up, that is, toward the camera.
+enum class Face : std::uint8_t { kFront, kBack };
+
+/// Which faces a caller accepts.
+enum class FaceFilter : std::uint8_t { kAny, kFront, kBack };
+
+/// A rough pose from voting: off by cells and steps, mostly false.
+struct Candidate {
+  std::size_t part = 0;  ///< index into the parts given to Locator::locate
+  Face face = Face::kFront;
+  Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
+  double votes = 0.0;  ///< mean support of the outline's raster points, 0..1
+};
+
+/// A pose that the refinement has settled.
+struct RefinedPose {
+  std::size_t part = 0;
+  Face face = Face::kFront;
+  Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
+  /// Of xi = [translation; rotation] in T <- T * exp(xi) (se3.h), about the centre of the outline.
+  Matrix6d covariance = Matrix6d::Zero();
+  double residual_px = 0.0;  ///< robust spread of edge minus outline along the outline's normal
+};
+
+/// A refined pose with the evidence for and against it.
+struct ScoredPose : RefinedPose {
+  double score = 0.0;             ///< 0..1, see score.h
+  double visible_fraction = 0.0;  ///< share of the visible face's area that nothing covers, 0..1
+};
+
+/// One located part, as the robot program gets it.
+struct Detection : ScoredPose {
+  std::string part_name;
+};
+
+/// What the stages did and how long each took; the core's replacement for logging.
+struct Report {
+  struct Stage {
+    std::string name;      ///< edges, hough, refine, score, rank
+    double seconds = 0.0;  ///< wall time
+    std::size_t out = 0;   ///< how many things it passed on
+  };
+  std::vector<Stage> stages;
+  double seconds = 0.0;  ///< image in memory to ranked list
+};
+
+}  // namespace planar_bin_picking
