@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "yaml_file.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+namespace planar_bin_picking {
+
+YAML::Node loadYamlMap(const std::string& path) {
+  YAML::Node root;
+  try {
+    root = YAML::LoadFile(path);
+  } catch (const YAML::BadFile&) {
+    throw std::runtime_error(path + ": cannot be read; check the path and its permissions");
+  } catch (const YAML::Exception& e) {
+    throw std::runtime_error(path + ": is not valid YAML: " + e.what());
+  }
+  if (!root.IsMap()) throw std::runtime_error(path + ": has no \"key: value\" lines at its top");
+  refuseRepeatedKeys(root, path);
+  return root;
+}
+
+void refuseUnknownKeys(const YAML::Node& map, const std::string& where,
+                       const std::vector<std::string>& known) {
+  for (const auto& entry : map) {
+    const auto key = valueAs<std::string>(entry.first, where, "a key", "a word");
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    std::string list;
+    for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+    throw std::runtime_error(where + ": unknown key \"" + key + "\"; known are " + list);
+  }
+}
+
+void refuseRepeatedKeys(const YAML::Node& map, const std::string& where) {
+  std::set<std::string> seen;
+  for (const auto& entry : map) {
+    if (!entry.first.IsScalar() || seen.insert(entry.first.Scalar()).second) continue;
+    throw std::runtime_error(where + ": key \"" + entry.first.Scalar() +
+                             "\" stands there twice; keep one");
+  }
+}
+
+std::string inOneLine(const YAML::Node& node) {
+  if (!node.IsDefined()) return "missing";
+  if (node.IsNull()) return "empty";
+  YAML::Emitter out;
+  out << YAML::Flow << node;
+  std::string text = out.c_str();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text.size() <= 80 ? text : text.substr(0, 77) + "...";
+}
+
+void throwBadValue(const std::string& where, const std::string& key, const YAML::Node& node,
+                   const std::string& expected) {
+  throw std::runtime_error(where + ": " + key + " is " + inOneLine(node) + ", must be " + expected);
+}
+
+}  // namespace planar_bin_picking
