@@ -1,0 +1,307 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planar_bin_picking/edges.h"
+
+#include "parallel.h"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace planar_bin_picking {
+namespace {
+
+/// Shrunken 8-bit image and the whole number by which it was shrunk.
+struct Base {
+  cv::Mat grey;
+  int shrink = 1;
+};
+
+/// 16-bit images carry 10, 12, 14 or 16 bits, in the low ones: the highest bit in use becomes bit 7.
+cv::Mat toEightBits(const cv::Mat& image) {
+  if (image.depth() == CV_8U) return image;
+  double highest = 0.0;
+  cv::minMaxLoc(image, nullptr, &highest);
+  int bits = 8;
+  while (bits < 16 && (1 << bits) <= highest) ++bits;
+  cv::Mat out;
+  image.convertTo(out, CV_8U, 1.0 / (1 << (bits - 8)), -0.5 + 0.5 / (1 << (bits - 8)));
+  return out;
+}
+
+Base shrinkImage(const cv::Mat& image, const EdgesParams& params) {
+  Base base;
+  base.shrink = std::max(
+      1, static_cast<int>(std::lround(std::sqrt(image.total() / (params.megapixels * 1e6)))));
+  cv::Mat small = image;
+  if (base.shrink > 1) {
+    // Only whole blocks, so that base pixel (x, y) is the mean of exactly shrink x shrink pixels.
+    const cv::Rect whole(0, 0, image.cols / base.shrink * base.shrink,
+                         image.rows / base.shrink * base.shrink);
+    cv::resize(image(whole), small, {whole.width / base.shrink, whole.height / base.shrink}, 0, 0,
+               cv::INTER_AREA);
+  }
+  base.grey = small;
+  return base;
+}
+
+/// Noise of the base image by grey level: the median of |second difference| of pixels of about that
+/// level (Gaussian noise of sigma s gives 0.6745 * sqrt(6) * s). Texture counts as noise, as it should.
+std::array<float, 256> estimateNoise(const cv::Mat& grey) {
+  constexpr int kLevels = 16, kMaxDifference = 64;
+  std::array<std::array<int, kMaxDifference>, kLevels> counts{};
+  for (int y = 1; y + 1 < grey.rows; y += 3) {
+    const auto* row = grey.ptr<std::uint8_t>(y);
+    for (int x = 1; x + 1 < grey.cols; x += 3) {
+      const int d = std::abs(2 * row[x] - row[x - 1] - row[x + 1]);
+      ++counts[row[x] * kLevels / 256][std::min(d, kMaxDifference - 1)];
+    }
+  }
+  std::array<float, kLevels> sigma{};
+  float previous = 0.5f;
+  for (int level = 0; level < kLevels; ++level) {
+    int total = 0;
+    for (const int c : counts[level]) total += c;
+    if (total > 200) {
+      int below = 0, d = 0;
+      while (below + counts[level][d] < total / 2) below += counts[level][d++];
+      // Interpolated inside the integer step: fine noise is a fraction of a grey level.
+      const float median = d + (total / 2 - below) / static_cast<float>(counts[level][d]) - 0.5f;
+      previous = std::max(median, 0.3f) / (0.6745f * 2.449f);
+    }
+    sigma[level] = previous;
+  }
+  std::array<float, 256> out{};
+  for (int g = 0; g < 256; ++g) {
+    const float at = std::clamp(g * kLevels / 256.0f - 0.5f, 0.0f, kLevels - 1.001f);
+    const int i = static_cast<int>(at);
+    out[g] = sigma[i] + (at - i) * (sigma[i + 1] - sigma[i]);
+  }
+  return out;
+}
+
+/// Direction bin + 1 of each edgel, 0 elsewhere: ridge of the Scharr gradient above the noise.
+void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, double factor, int y0,
+                int y1, cv::Mat* marks) {
+  const int w = grey.cols;
+  // Scharr's response to white noise of sigma s has sigma sqrt(2 (3^2 + 10^2 + 3^2)) s per component.
+  std::array<int, 256> threshold{};
+  for (int g = 0; g < 256; ++g) {
+    threshold[g] = static_cast<int>(std::pow(factor * noise[g] * std::sqrt(236.0), 2));
+  }
+  // Three rolling rows of gradients.
+  std::vector<int> buffer(9 * w, 0);
+  int* gx[3] = {buffer.data(), buffer.data() + w, buffer.data() + 2 * w};
+  int* gy[3] = {gx[2] + w, gx[2] + 2 * w, gx[2] + 3 * w};
+  int* mag[3] = {gy[2] + w, gy[2] + 2 * w, gy[2] + 3 * w};
+  const auto gradient = [&](int y, int slot) {
+    if (y < 1 || y + 1 >= grey.rows) {
+      std::fill(mag[slot], mag[slot] + w, 0);
+      return;
+    }
+    const auto *a = grey.ptr<std::uint8_t>(y - 1), *b = grey.ptr<std::uint8_t>(y),
+               *c = grey.ptr<std::uint8_t>(y + 1);
+    int *const dx = gx[slot], *const dy = gy[slot], *const m = mag[slot];
+    for (int x = 1; x < w - 1; ++x) {
+      const int h = 3 * (a[x + 1] - a[x - 1] + c[x + 1] - c[x - 1]) + 10 * (b[x + 1] - b[x - 1]);
+      const int v = 3 * (c[x - 1] - a[x - 1] + c[x + 1] - a[x + 1]) + 10 * (c[x] - a[x]);
+      dx[x] = h;
+      dy[x] = v;
+      m[x] = h * h + v * v;
+    }
+  };
+  gradient(y0 - 1, 0);
+  gradient(y0, 1);
+  for (int y = y0; y < y1; ++y) {
+    const int up = (y - y0) % 3, here = (y - y0 + 1) % 3, down = (y - y0 + 2) % 3;
+    gradient(y + 1, down);
+    const auto* level = grey.ptr<std::uint8_t>(y);
+    auto* out = marks->ptr<std::uint8_t>(y);
+    for (int x = 2; x < w - 2; ++x) {
+      const int m = mag[here][x];
+      if (m < threshold[level[x]]) continue;
+      const int h = gx[here][x], v = gy[here][x], ah = std::abs(h), av = std::abs(v);
+      int before, after;
+      if (5 * av < 2 * ah) {
+        before = mag[here][x - 1], after = mag[here][x + 1];
+      } else if (5 * ah < 2 * av) {
+        before = mag[up][x], after = mag[down][x];
+      } else if ((h > 0) == (v > 0)) {
+        before = mag[up][x - 1], after = mag[down][x + 1];
+      } else {
+        before = mag[up][x + 1], after = mag[down][x - 1];
+      }
+      if (m > before && m >= after) {
+        out[x] = static_cast<std::uint8_t>(1 + directionBin(h, v));
+      }
+    }
+  }
+}
+
+bool sameDirection(std::uint8_t a, int bin) {
+  const int d = a - 1 - bin;
+  return a != 0 && ((d + 1 + kDirections) % kDirections) <= 2;
+}
+
+/// An edgel counts when the contour goes on in both directions along its tangent.
+bool continues(const cv::Mat& marks, int x, int y, int bin) {
+  static const auto kTangent = [] {
+    std::array<std::array<int, 2>, kDirections> t{};
+    for (int b = 0; b < kDirections; ++b) {
+      t[b] = {static_cast<int>(std::lround(-2 * std::sin(b * M_PI / kDirections))),
+              static_cast<int>(std::lround(2 * std::cos(b * M_PI / kDirections)))};
+    }
+    return t;
+  }();
+  for (const int side : {-1, 1}) {
+    const int cx = x + side * kTangent[bin][0], cy = y + side * kTangent[bin][1];
+    bool found = false;
+    for (int j = -1; j <= 1 && !found; ++j) {
+      for (int i = -1; i <= 1 && !found; ++i) {
+        found = sameDirection(marks.ptr<std::uint8_t>(cy + j)[cx + i], bin);
+      }
+    }
+    if (!found) return false;
+  }
+  return true;
+}
+
+/// Ideal field positions of base pixels, on a coarse grid, bilinear between.
+class UndistortGrid {
+ public:
+  UndistortGrid(const Camera& camera, const Base& base, Field* field) {
+    step_ = 16;
+    nx_ = base.grey.cols / step_ + 2;
+    ny_ = base.grey.rows / step_ + 2;
+    Eigen::AlignedBox2d box;
+    for (int j = 0; j < ny_; ++j) {
+      for (int i = 0; i < nx_; ++i) {
+        const double s = base.shrink, half = 0.5 * (s - 1.0);
+        const Eigen::Vector2d p = camera.undistort(
+            {std::min(i * step_, base.grey.cols - 1) * s + half,
+             std::min(j * step_, base.grey.rows - 1) * s + half});
+        grid_.push_back(p);
+        box.extend(p);
+      }
+    }
+    field->image_px = 2.0 * base.shrink;
+    field->focal = 0.5 * (camera.model().fx + camera.model().fy) / field->image_px;
+    field->cx = -box.min().x() * field->focal + 1.0;
+    field->cy = -box.min().y() * field->focal + 1.0;
+    field->width = static_cast<int>(std::ceil(box.sizes().x() * field->focal)) + 3;
+    field->height = static_cast<int>(std::ceil(box.sizes().y() * field->focal)) + 3;
+    for (auto& p : grid_) p = p * field->focal + Eigen::Vector2d(field->cx, field->cy);
+    last_x_ = base.grey.cols - 1;
+    last_y_ = base.grey.rows - 1;
+  }
+
+  Eigen::Vector2d operator()(int x, int y) const {
+    const int i = x / step_, j = y / step_;
+    const int w = std::min((i + 1) * step_, last_x_) - i * step_;
+    const int h = std::min((j + 1) * step_, last_y_) - j * step_;
+    const double a = w > 0 ? static_cast<double>(x - i * step_) / w : 0.0;
+    const double b = h > 0 ? static_cast<double>(y - j * step_) / h : 0.0;
+    const auto* g = grid_.data() + j * nx_ + i;
+    return (1 - b) * ((1 - a) * g[0] + a * g[1]) + b * ((1 - a) * g[nx_] + a * g[nx_ + 1]);
+  }
+
+ private:
+  int step_ = 0, nx_ = 0, ny_ = 0, last_x_ = 0, last_y_ = 0;
+  std::vector<Eigen::Vector2d> grid_;
+};
+
+/// cur = min(cur, other + cost) for all directions of a pixel. No overflow: both are <= kFarDistance.
+inline void relax(std::uint8_t* cur, const std::uint8_t* other, std::uint8_t cost) {
+  for (int b = 0; b < kDirections; ++b) {
+    const auto v = static_cast<std::uint8_t>(other[b] + cost);
+    cur[b] = v < cur[b] ? v : cur[b];
+  }
+}
+
+/// Two-pass 3-4 chamfer distance transform of all directions at once.
+void distanceTransform(Field* field) {
+  const int w = field->width, h = field->height;
+  const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(w) * kDirections;
+  std::uint8_t* const d = field->distance.data();
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      std::uint8_t* p = d + y * row + x * kDirections;
+      if (x > 0) relax(p, p - kDirections, 3);
+      if (y == 0) continue;
+      relax(p, p - row, 3);
+      if (x > 0) relax(p, p - row - kDirections, 4);
+      if (x + 1 < w) relax(p, p - row + kDirections, 4);
+    }
+  }
+  for (int y = h - 1; y >= 0; --y) {
+    for (int x = w - 1; x >= 0; --x) {
+      std::uint8_t* p = d + y * row + x * kDirections;
+      if (x + 1 < w) relax(p, p + kDirections, 3);
+      if (y + 1 == h) continue;
+      relax(p, p + row, 3);
+      if (x + 1 < w) relax(p, p + row + kDirections, 4);
+      if (x > 0) relax(p, p + row - kDirections, 4);
+    }
+  }
+}
+
+/// An edge of a neighbouring direction serves too, at a cost ([2]).
+void spreadDirections(Field* field, double cost_px, int y0, int y1) {
+  const int cost = static_cast<int>(std::lround(cost_px * kUnitsPerFieldPixel));
+  std::uint8_t ring[kDirections + 2];
+  for (int y = y0; y < y1; ++y) {
+    for (int x = 0; x < field->width; ++x) {
+      auto* p = field->distance.data() + (static_cast<std::size_t>(y) * field->width + x) * kDirections;
+      std::copy(p, p + kDirections, ring + 1);
+      ring[0] = p[kDirections - 1];
+      ring[kDirections + 1] = p[0];
+      for (int b = 0; b < kDirections; ++b) {
+        const int side = std::min(ring[b], ring[b + 2]) + cost;
+        p[b] = static_cast<std::uint8_t>(std::min<int>(p[b], side));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams& params,
+                  int threads) {
+  EdgeMap map;
+  map.image = toEightBits(image);
+  const Base base = shrinkImage(map.image, params);
+  map.noise = estimateNoise(base.grey);
+
+  cv::Mat marks = cv::Mat::zeros(base.grey.size(), CV_8U);
+  constexpr int kBand = 64;
+  const int bands = (base.grey.rows + kBand - 1) / kBand;
+  parallelFor(bands, threads, [&](int i) {
+    markEdgels(base.grey, map.noise, params.noise_factor, i * kBand,
+               std::min((i + 1) * kBand, base.grey.rows), &marks);
+  });
+
+  const UndistortGrid undistort(camera, base, &map.field);
+  Field& field = map.field;
+  field.distance.assign(static_cast<std::size_t>(field.width) * field.height * kDirections,
+                        kFarDistance);
+  for (int y = 4; y < marks.rows - 4; ++y) {
+    const auto* row = marks.ptr<std::uint8_t>(y);
+    for (int x = 4; x < marks.cols - 4; ++x) {
+      if (row[x] == 0 || !continues(marks, x, y, row[x] - 1)) continue;
+      const Eigen::Vector2d p = undistort(x, y);
+      const int u = static_cast<int>(p.x() + 0.5), v = static_cast<int>(p.y() + 0.5);
+      field.distance[(static_cast<std::size_t>(v) * field.width + u) * kDirections + row[x] - 1] = 0;
+      ++map.edgels;
+    }
+  }
+  distanceTransform(&field);
+  parallelFor((field.height + kBand - 1) / kBand, threads, [&](int i) {
+    spreadDirections(&field, params.direction_cost_px, i * kBand,
+                     std::min((i + 1) * kBand, field.height));
+  });
+  return map;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planar_bin_picking/locator.h"
+
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+namespace planar_bin_picking {
+namespace {
+
+/// Times the stages into a Report.
+class Clock {
+ public:
+  explicit Clock(Report* report) : report_(report) {}
+  void finish(const std::string& stage, std::size_t out) {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    report_->stages.push_back({stage, seconds, out});
+    report_->seconds += seconds;
+    last_ = now;
+  }
+
+ private:
+  Report* report_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+[[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument("locate: " + what); }
+
+void check(const cv::Mat& image, const Camera& camera, const LocateRequest& request) {
+  if (image.empty()) refuse("the image is empty");
+  if (image.channels() != 1 || (image.depth() != CV_8U && image.depth() != CV_16U)) {
+    refuse("the image has " + std::to_string(image.channels()) + " channels of depth " +
+           std::to_string(image.depth()) + "; give one channel of 8 or 16 bit");
+  }
+  if (image.cols != camera.model().width || image.rows != camera.model().height) {
+    refuse("the image is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
+           ", the camera info " + std::to_string(camera.model().width) + " x " +
+           std::to_string(camera.model().height) + "; they must be of one size");
+  }
+  if (image.cols < 64 || image.rows < 64) refuse("the image is smaller than 64 x 64 pixels");
+  if (request.parts.empty()) refuse("no part is given");
+  if (!(request.distance_min > 0.0) || !(request.distance_max >= request.distance_min)) {
+    refuse("distances " + std::to_string(request.distance_min) + " .. " +
+           std::to_string(request.distance_max) + " m; they must satisfy 0 < min <= max");
+  }
+}
+
+}  // namespace
+
+Locator::Locator(const LocatorParams& params) : params_(params) {
+  validate(params_);
+  if (params_.threads == 0) {
+    params_.threads = std::max(1u, std::thread::hardware_concurrency());
+  }
+}
+
+LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
+                             const LocateRequest& request) const {
+  check(image, camera, request);
+  LocateResult result;
+  Clock clock(&result.report);
+  const int threads = params_.threads;
+
+  const EdgeMap edges = findEdges(image, camera, params_.edges, threads);
+  clock.finish("edges", edges.edgels);
+
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < request.parts.size(); ++i) {
+    const HoughTask task{request.parts[i].get(), i, request.distance_min, request.distance_max,
+                         request.face};
+    const auto found = findCandidates(edges, task, params_.hough, threads);
+    candidates.insert(candidates.end(), found.begin(), found.end());
+  }
+  clock.finish("hough", candidates.size());
+
+  const auto refined =
+      refineCandidates(edges, camera, request.parts, candidates, params_.refine, threads);
+  clock.finish("refine", refined.size());
+
+  const auto scored = scorePoses(edges, camera, request.parts, refined, params_.score, threads);
+  clock.finish("score", scored.size());
+
+  result.detections = rankPoses(scored, request.parts, params_.score.threshold, request.max_parts,
+                                params_.rank);
+  clock.finish("rank", result.detections.size());
+  return result;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// First part of stage 3: poses settle in the directional distance field (no lens model, no image).
+
+#include "outline_view.h"
+#include "planar_bin_picking/edge_map.h"
+#include "planar_bin_picking/refine.h"
+
+#include <vector>
+
+namespace planar_bin_picking {
+
+struct FieldPose {
+  Eigen::Isometry3d T_camera_centre;
+  double support = 0.0;  ///< share of points that lie on an edgel, graded, 0..1
+};
+
+/// Levenberg-Marquardt on the truncated distances of the points ([2]), the reach shrinking as it
+/// goes.
+/// @param reach_px  field pixels within which an edgel attracts a point at first
+FieldPose settleInField(const Field& field, const std::vector<LocalPoint>& points, double radius,
+                        const Eigen::Isometry3d& T_camera_centre, double reach_px,
+                        const RefineParams& params);
+
+}  // namespace planar_bin_picking

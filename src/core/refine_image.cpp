@@ -1,0 +1,190 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "refine_image.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr int kTaps = 3;       // of the derivative filter on either side
+constexpr int kMaxReach = 16;
+constexpr double kNoiseFactor = 4.0;  // an edge on a profile is this far above the noise
+
+/// A point in the image, its outward normal there and what a step of the pose does along it.
+struct Posed {
+  Eigen::Vector2d pixel, normal;
+  Eigen::Vector3d g_local;  // d(normal . pixel) / d(point), part axes, point in radii
+};
+
+bool poseOf(const Camera& camera, const LocalPoint& p, double radius, const Eigen::Isometry3d& T,
+            Posed* out) {
+  const Eigen::Vector3d x = T.linear().col(0), y = T.linear().col(1);
+  const Eigen::Vector3d q = T.translation() + radius * (p.x * x + p.y * y);
+  if (q.z() <= 1e-6) return false;
+  const double inv_z = 1.0 / q.z(), u = q.x() * inv_z, v = q.y() * inv_z;
+  Eigen::Matrix2d lens;
+  out->pixel = camera.distort({u, v}, &lens);
+  const Eigen::Vector3d along = p.tx * x + p.ty * y, out_of = p.ty * x - p.tx * y;
+  const Eigen::Vector2d t = lens * Eigen::Vector2d(along.x() - u * along.z(), along.y() - v * along.z());
+  const Eigen::Vector2d o = lens * Eigen::Vector2d(out_of.x() - u * out_of.z(), out_of.y() - v * out_of.z());
+  out->normal = Eigen::Vector2d(t.y(), -t.x()).normalized();
+  if (out->normal.dot(o) < 0.0) out->normal = -out->normal;
+  const Eigen::Vector2d n_ideal = lens.transpose() * out->normal;
+  out->g_local = T.linear().transpose() *
+                 (radius * inv_z * Eigen::Vector3d(n_ideal.x(), n_ideal.y(),
+                                                   -(n_ideal.x() * u + n_ideal.y() * v)));
+  return true;
+}
+
+float bilinear(const cv::Mat& image, float x, float y) {
+  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+  const float a = x - ix, b = y - iy;
+  const auto* p = image.ptr<std::uint8_t>(iy) + ix;
+  const auto* q = p + image.step;
+  const float top = p[0] + a * (p[1] - p[0]), bottom = q[0] + a * (q[1] - q[0]);
+  return top + b * (bottom - top);
+}
+
+/// Derivative-of-Gaussian taps for j = 1..kTaps; a unit step answers with 1.
+std::array<float, kTaps> derivativeTaps(double sigma) {
+  std::array<float, kTaps> f{};
+  double sum = 0.0;
+  for (int j = 1; j <= kTaps; ++j) sum += f[j - 1] = j * std::exp(-0.5 * j * j / (sigma * sigma));
+  for (auto& v : f) v = static_cast<float>(v / sum);
+  return f;
+}
+
+/// The strongest edge, nearer ones preferred.
+EdgeHit bestEdge(const EdgeMap& edges, const Posed& at, const ImageReach& reach,
+                 const std::array<float, kTaps>& taps) {
+  const int half = reach.reach_px + kTaps + 1, n = 2 * half + 1;
+  EdgeHit hit;
+  const auto &image = edges.image;
+  const double span = half + 2.0;
+  if (at.pixel.x() < span || at.pixel.y() < span || at.pixel.x() > image.cols - 2 - span ||
+      at.pixel.y() > image.rows - 2 - span) {
+    return hit;
+  }
+  hit.inside_image = true;
+  std::array<float, 2 * (kMaxReach + kTaps + 1) + 1> sum{}, across{};
+  const float nx = static_cast<float>(at.normal.x()), ny = static_cast<float>(at.normal.y());
+  const int side = reach.lines / 2;
+  for (int line = -side; line <= side; ++line) {
+    const float shift = 1.5f * line;
+    const float x0 = static_cast<float>(at.pixel.x()) - shift * ny - half * nx;
+    const float y0 = static_cast<float>(at.pixel.y()) + shift * nx - half * ny;
+    for (int k = 0; k < n; ++k) {
+      const float v = bilinear(image, x0 + k * nx, y0 + k * ny);
+      sum[k] += v;
+      across[k] += line * v;
+    }
+  }
+  const float inv_lines = 1.0f / reach.lines;
+  std::array<float, 2 * kMaxReach + 3> slope{};
+  const int m = 2 * reach.reach_px + 3;  // slope[i] stands at offset i - reach_px - 1
+  for (int i = 0; i < m; ++i) {
+    float s = 0.0f;
+    for (int j = 1; j <= kTaps; ++j) s += taps[j - 1] * (sum[i + kTaps + j] - sum[i + kTaps - j]);
+    slope[i] = s * inv_lines;
+  }
+  const auto level = static_cast<int>(sum[half] * inv_lines);
+  const float noise = edges.noise[std::clamp(level, 0, 255)];
+  float best = 0.0f;
+  for (int i = 1; i + 1 < m; ++i) {
+    const float a = std::abs(slope[i]);
+    if (a < kNoiseFactor * noise || a < std::abs(slope[i - 1]) || a <= std::abs(slope[i + 1])) continue;
+    const float l = std::abs(slope[i - 1]), r = std::abs(slope[i + 1]);
+    const float curve = l - 2 * a + r;
+    const float at_px = i - reach.reach_px - 1 + (curve < 0.0f ? 0.5f * (l - r) / curve : 0.0f);
+    const float near = at_px / (reach.reach_px + 1.0f);
+    // Saturated like Eq. (10): beyond a clear edge, being near counts more than being strong.
+    const float merit = std::min(a, 12.0f * noise) * (1.0f - near * near);
+    if (merit <= best) continue;
+    best = merit;
+    hit.found = true;
+    hit.offset_px = at_px;
+    hit.contrast = slope[i];
+    hit.strength = a / noise;
+    if (side > 0) {
+      // Across the lines: a least-squares slope per pixel, averaged over the edge's width.
+      const int c = i + kTaps;
+      const float t = (across[c - 1] + across[c] + across[c + 1]) / (3.0f * 2.0f * 1.5f);
+      const float g = 0.5f * slope[i];  // a blurred step of height 1 has a slope of about one half
+      hit.cosine = std::abs(g) / std::sqrt(g * g + t * t);
+    } else {
+      hit.cosine = 1.0f;
+    }
+  }
+  return hit;
+}
+
+}  // namespace
+
+void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
+              double radius, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
+              std::vector<EdgeHit>* hits) {
+  const auto taps = derivativeTaps(reach.sigma_px);
+  hits->resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Posed at;
+    (*hits)[i] = poseOf(camera, points[i], radius, T_camera_centre, &at)
+                     ? bestEdge(edges, at, reach, taps)
+                     : EdgeHit{};
+  }
+}
+
+ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
+                      const std::vector<LocalPoint>& points, double radius,
+                      const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
+                      double tukey_px, double tilt_limit) {
+  std::vector<EdgeHit> hits;
+  findHits(edges, camera, points, radius, T_camera_centre, reach, &hits);
+  std::vector<Eigen::Vector2d> target(points.size());  // pixel and normal at association
+  std::vector<Eigen::Vector2d> normal(points.size());
+  std::vector<double> absolute;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!hits[i].found) continue;
+    Posed at;
+    poseOf(camera, points[i], radius, T_camera_centre, &at);
+    normal[i] = at.normal;
+    target[i] = at.pixel + hits[i].offset_px * at.normal;
+  }
+  ImagePose out;
+  out.T_camera_centre = T_camera_centre;
+  for (int k = 0; k < 3; ++k) {
+    NormalEquations eq;
+    absolute.clear();
+    out.used = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!hits[i].found) continue;
+      Posed at;
+      if (!poseOf(camera, points[i], radius, out.T_camera_centre, &at)) continue;
+      const double r = normal[i].dot(at.pixel - target[i]);
+      const double e = 1.0 - (r * r) / (tukey_px * tukey_px);
+      if (e <= 0.0) continue;
+      absolute.push_back(std::abs(r));
+      const double sign = normal[i].dot(at.normal) < 0.0 ? -1.0 : 1.0;
+      eq.add(points[i].x, points[i].y, sign * at.g_local, r, e * e);
+      ++out.used;
+    }
+    out.information = eq.H;
+    if (out.used < 8) return out;
+    // A little damping: where the image says nothing (a full circle's yaw), nothing moves.
+    Matrix6d H = eq.H;
+    H.diagonal().array() += 1e-6 * eq.H.trace() + 1e-12;
+    const Vector6d xi = -H.ldlt().solve(eq.b);
+    out.T_camera_centre = stepped(out.T_camera_centre, xi.cwiseMax(-0.1).cwiseMin(0.1), radius);
+    if (xi.squaredNorm() < 1e-12) break;
+  }
+  (void)tilt_limit;
+  std::nth_element(absolute.begin(), absolute.begin() + absolute.size() / 2, absolute.end());
+  out.residual_px = 1.4826 * absolute[absolute.size() / 2];
+  return out;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Second part of stage 3: sub-pixel edges along the outline's normals in the raw image, with the
+/// full lens model.
+
+#include "outline_view.h"
+#include "planar_bin_picking/camera.h"
+#include "planar_bin_picking/edge_map.h"
+
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// The edge that one outline point found on its normal.
+struct EdgeHit {
+  bool inside_image = false;  ///< the point projects into the image
+  bool found = false;         ///< an edge above the noise within reach
+  float offset_px = 0.0f;     ///< along the outward normal; negative = inside the outline
+  float contrast = 0.0f;      ///< grey levels across the edge, outside minus inside
+  float strength = 0.0f;      ///< |contrast| over its noise
+  float cosine = 0.0f;        ///< |cos| between image gradient and normal, Eq. (12)
+};
+
+struct ImageReach {
+  int reach_px = 6;       ///< how far along the normal an edge is sought
+  int lines = 1;          ///< parallel profiles that are averaged, 1 or 3
+  double sigma_px = 1.0;  ///< of the derivative filter
+};
+
+/// Where each point would find its edge.
+void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
+              double radius, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
+              std::vector<EdgeHit>* hits);
+
+struct ImagePose {
+  Eigen::Isometry3d T_camera_centre;
+  double residual_px = 0.0;  ///< robust standard deviation of the offsets
+  Matrix6d information =
+      Matrix6d::Zero();  ///< of xi (translation in radii), for unit variance in pixels
+  int used = 0;          ///< points with a weight
+};
+
+/// One association and a few Gauss-Newton steps with Tukey weights of width `tukey_px`.
+ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
+                      const std::vector<LocalPoint>& points, double radius,
+                      const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
+                      double tukey_px, double tilt_limit);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+/// Functions marked PBP_SIMD are compiled twice on x86-64, with and without AVX2, and the fitting
+/// one is taken at run time. Elsewhere, and under sanitizers (which cannot run the resolver), once.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define PBP_SIMD __attribute__((target_clones("avx2", "default")))
+#else
+#define PBP_SIMD
+#endif
+
+namespace planar_bin_picking {
+
+/// 32 bytes added at once; the compiler splits it where registers are smaller.
+typedef std::uint8_t ByteVector __attribute__((vector_size(32)));
+
+}  // namespace planar_bin_picking
