@@ -143,7 +143,7 @@ cv::Mat drawOverlay(const cv::Mat& image, const Camera& camera,
     const Detection& detection = detections[rank];
     const PartModel& part = *parts.at(detection.part);
     const cv::Scalar color = detection.face == Face::kFront ? kFrontColor : kBackColor;
-    const auto center = pen.pixel(onFace(part, detection, part.center()));
+    const auto center = pen.pixel(onFace(part, detection, part.symmetry().center));
     if (!center) continue;
     const std::string name = parts.size() > 1 ? " " + detection.part_name : "";
     pen.label(std::to_string(rank + 1) + name, {center->x >> kShift, center->y >> kShift}, color);
