@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locator_ros.h"
+
+#include "bin_range.h"
+#include "convert.h"
+#include "load_params.h"
+#include "names.h"
+#include "refusal.h"
+#include "transforms.h"
+
+#include <ros/console.h>
+
+#include <chrono>
+#include <cstdio>
+
+namespace planar_bin_picking_ros {
+
+using planar_bin_picking::FaceFilter;
+using planar_bin_picking::LocateRequest;
+
+namespace {
+
+constexpr std::size_t kCalls = 4;  ///< served at once; further ones queue up
+
+ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
+  nh.setCallbackQueue(queue);
+  return nh;
+}
+
+FaceFilter faceFilter(const std::uint8_t face) {
+  using Request = planar_bin_picking::LocatePart::Request;
+  switch (face) {
+    case Request::ANY: return FaceFilter::kAny;
+    case Request::FRONT: return FaceFilter::kFront;
+    case Request::BACK: return FaceFilter::kBack;
+  }
+  throw Refusal(planar_bin_picking::LocatePart::Response::BAD_REQUEST,
+                "face is " + std::to_string(face) + "; it must be ANY (0), FRONT (1) or BACK (2)");
+}
+
+std::string text(const char* format, const double a, const double b = 0.0, const double c = 0.0) {
+  char buffer[160];
+  std::snprintf(buffer, sizeof buffer, format, a, b, c);
+  return buffer;
+}
+
+}  // namespace
+
+/// Fills in the answer's times, step by step.
+class LocatorRos::Stopwatch {
+ public:
+  explicit Stopwatch(Response& response) : response_(response) {}
+  void lap(const std::string& stage) {
+    const auto now = std::chrono::steady_clock::now();
+    add(stage, std::chrono::duration<double>(now - last_).count());
+    last_ = now;
+  }
+  void lap(const std::vector<planar_bin_picking::Report::Stage>& stages) {
+    for (const auto& stage : stages) add(stage.name, stage.seconds);
+    last_ = std::chrono::steady_clock::now();
+  }
+
+ private:
+  void add(const std::string& stage, const double seconds) {
+    response_.times.emplace_back();
+    response_.times.back().stage = stage;
+    response_.times.back().seconds = seconds;
+  }
+
+  Response& response_;
+  SteadyTime last_ = std::chrono::steady_clock::now();
+};
+
+LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
+    : locator_(loadLocatorParams(readTree(pnh, kLocatorParams))),
+      cell_(loadCellParams(readTree(pnh, kCellParams))),
+      library_(cell_.parts_folder),
+      image_nh_(onQueue(nh, &image_queue_)),
+      call_pnh_(onQueue(pnh, &call_queue_)),
+      tf_listener_(tf_buffer_),
+      source_(image_nh_),
+      publisher_(call_pnh_, cell_.frame_prefix),
+      image_spinner_(1, &image_queue_),
+      call_spinner_(kCalls, &call_queue_) {
+  ROS_INFO_STREAM("locator:" << describe(locator_.params()));
+  ROS_INFO_STREAM("cell:" << describe(cell_));
+  for (const auto& part : library_.parts()) ROS_INFO_STREAM("part '" << part.first << "' loaded");
+  for (const auto& [name, error] : library_.errors()) {
+    ROS_ERROR_STREAM("part '" << name << "' is not available: " << error);
+  }
+  service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
+  image_spinner_.start();
+  call_spinner_.start();
+  ROS_INFO_STREAM("ready: images from " << source_.topic() << ", calls on " << service_.getService());
+}
+
+LocatorRos::~LocatorRos() {
+  source_.close();  // before the spinner, which waits for the calls that are being served
+  service_.shutdown();
+  call_spinner_.stop();
+  image_spinner_.stop();
+}
+
+bool LocatorRos::serve(Request& request, Response& response) {
+  try {
+    answer(request, response);
+    ROS_INFO_STREAM("locate_part '" << request.part << "': " << response.message);
+  } catch (const Refusal& refusal) {
+    response.status = refusal.status();
+    response.message = refusal.what();
+    ROS_WARN_STREAM("locate_part '" << request.part << "': " << response.message);
+  } catch (const std::exception& error) {
+    response.status = Response::INTERNAL_ERROR;
+    response.message = std::string(error.what()) + "; please report this with the image";
+    ROS_ERROR_STREAM("locate_part '" << request.part << "': " << response.message);
+  }
+  return true;  // the call itself worked, whatever its status
+}
+
+void LocatorRos::answer(const Request& request, Response& response) {
+  Stopwatch watch(response);
+  const std::vector<PartPtr> parts = library_.select(request.part);
+  faceFilter(request.face);  // refuses a wrong request before it waits
+  const Frame frame = awaitFrame(request);
+  watch.lap("wait");
+
+  const std_msgs::Header& image = frame.image->header;
+  Answer answer{parts, frame, toGrey(frame.image), toCamera(*frame.info, *frame.image), {}, image, {}};
+  watch.lap("convert");
+
+  answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
+  const auto T_target_camera = transform(answer.header.frame_id, image.frame_id, image.stamp);
+  const LocateRequest locate_request = makeRequest(request, image);
+  watch.lap("transform");
+  {
+    // One at a time: a call uses all cores anyway, and two would need twice the memory.
+    const std::lock_guard<std::mutex> lock(locate_mutex_);
+    watch.lap("queue");
+    answer.result = locator_.locate(answer.grey, answer.camera, locate_request);
+  }
+  watch.lap(answer.result.report.stages);
+
+  for (const auto& detection : answer.result.detections) {
+    answer.located.push_back(toMsg(detection, *parts.at(detection.part), T_target_camera));
+    answer.located.back().header = answer.header;
+  }
+  const std::size_t count = answer.located.size();
+  response.parts = publisher_.publish(std::move(answer))->located;
+  watch.lap("publish");
+  response.status = count > 0 ? Response::OK : Response::NO_PART_FOUND;
+  response.message =
+      count > 0 ? std::to_string(count) + " located"
+                : text("nothing scored %.2f or more between %.3f and %.3f m from the camera; if there "
+                       "are parts, look at ~overlay, check light, focus and these distances",
+                       locator_.params().score.threshold, locate_request.distance_min,
+                       locate_request.distance_max);
+}
+
+Frame LocatorRos::awaitFrame(const Request& request) {
+  if (request.timeout < ros::Duration(0)) {
+    throw Refusal(Response::BAD_REQUEST, "timeout is negative; zero means the cell's image_timeout");
+  }
+  return source_.await(request.not_before, request.timeout.isZero()
+                                               ? ros::Duration(cell_.image_timeout)
+                                               : request.timeout);
+}
+
+Eigen::Isometry3d LocatorRos::transform(const std::string& target, const std::string& source,
+                                        const ros::Time& stamp) const {
+  if (target == source) return Eigen::Isometry3d::Identity();
+  const LookupResult found =
+      lookup(tf_buffer_, target, source, stamp, std::chrono::duration<double>(cell_.tf_timeout));
+  if (!found.T_target_source) {
+    throw Refusal(Response::NO_TRANSFORM,
+                  "no transform from " + source + " to " + target + " at the image's stamp: " +
+                      found.reason + "; check that the robot publishes tf and the hand-eye calibration");
+  }
+  return *found.T_target_source;
+}
+
+LocateRequest LocatorRos::makeRequest(const Request& request, const std_msgs::Header& image) const {
+  DistanceRange range{cell_.distance_min, cell_.distance_max};
+  if (cell_.hasBin()) {
+    range = distanceRange(cell_, transform(image.frame_id, cell_.bin_frame, image.stamp));
+  }
+  LocateRequest locate_request;
+  locate_request.parts = library_.select(request.part);
+  locate_request.distance_min = range.min;
+  locate_request.distance_max = range.max;
+  locate_request.face = faceFilter(request.face);
+  locate_request.max_parts = request.max_parts;
+  return locate_request;
+}
+
+}  // namespace planar_bin_picking_ros

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// The locator as a ROS node: waits for images, answers LocatePart, publishes what it found. The
+/// nodelet and the node are two shells around it.
+///
+/// Calls wait and compute in threads of their own, beside the one that takes in images, so that a
+/// waiting call keeps neither an image nor another call from coming in, however few worker threads a
+/// nodelet manager has.
+
+#include "answer_publisher.h"
+#include "cell_params.h"
+#include "image_source.h"
+#include "part_library.h"
+#include "planar_bin_picking/locator.h"
+
+#include <planar_bin_picking/LocatePart.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <mutex>
+#include <string>
+
+namespace planar_bin_picking_ros {
+
+class LocatorRos {
+ public:
+  /// @throws std::exception  a parameter or the parts folder is wrong: which one and why
+  LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
+  ~LocatorRos();
+  LocatorRos(const LocatorRos&) = delete;
+  LocatorRos& operator=(const LocatorRos&) = delete;
+
+ private:
+  using Request = planar_bin_picking::LocatePart::Request;
+  using Response = planar_bin_picking::LocatePart::Response;
+  class Stopwatch;
+
+  bool serve(Request& request, Response& response);
+  /// The steps of a call. @throws Refusal  there is no answer
+  void answer(const Request& request, Response& response);
+
+  Frame awaitFrame(const Request& request);
+  /// @throws Refusal  NO_TRANSFORM
+  Eigen::Isometry3d transform(const std::string& target, const std::string& source,
+                              const ros::Time& stamp) const;
+  planar_bin_picking::LocateRequest makeRequest(const Request& request,
+                                                const std_msgs::Header& image) const;
+
+  const planar_bin_picking::Locator locator_;
+  const CellParams cell_;
+  const PartLibrary library_;
+
+  ros::CallbackQueue image_queue_, call_queue_;
+  ros::NodeHandle image_nh_, call_pnh_;
+  tf2_ros::Buffer tf_buffer_;
+  tf2_ros::TransformListener tf_listener_;  // has a thread of its own
+  ImageSource source_;
+  AnswerPublisher publisher_;
+  std::mutex locate_mutex_;
+  ros::ServiceServer service_;
+  ros::AsyncSpinner image_spinner_, call_spinner_;
+};
+
+}  // namespace planar_bin_picking_ros

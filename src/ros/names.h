@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Every topic, service and parameter name of the nodes. Remap them in launch files.
+
+namespace planar_bin_picking_ros {
+
+// Public, below the node's namespace. The camera_info topic is the sibling of the image.
+constexpr char kImageTopic[] = "camera/image_raw";
+
+// Private, below the node's name.
+constexpr char kLocatePartService[] = "locate_part";
+constexpr char kLocatedPartsTopic[] = "located_parts";
+constexpr char kMarkersTopic[] = "markers";
+constexpr char kOverlayTopic[] = "overlay";
+
+// Private parameter trees; nothing else is read.
+constexpr char kLocatorParams[] = "locator";
+constexpr char kCellParams[] = "cell";
+
+/// Parent of the frames of parts that the latest image no longer shows. It hangs on nothing, so
+/// that looking such a part up fails instead of answering with where it once was.
+constexpr char kNotLocatedFrame[] = "planar_bin_picking/not_located";
+
+}  // namespace planar_bin_picking_ros

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "part_frames.h"
+
+#include "convert.h"
+#include "names.h"
+
+#include <algorithm>
+
+namespace planar_bin_picking_ros {
+
+using planar_bin_picking::LocatedPart;
+
+void PartFrames::name(std::vector<LocatedPart>& located) const {
+  std::map<std::string, std::size_t> ranks;
+  for (LocatedPart& part : located) part.child_frame = frame(part.part, ++ranks[part.part]);
+}
+
+std::vector<geometry_msgs::TransformStamped> PartFrames::update(
+    const std::vector<std::string>& asked_for, const std_msgs::Header& header,
+    const std::vector<LocatedPart>& located) {
+  std::vector<geometry_msgs::TransformStamped> transforms;
+  std::map<std::string, std::size_t> found;
+  for (const LocatedPart& part : located) {
+    geometry_msgs::TransformStamped transform;
+    transform.header = header;
+    transform.child_frame_id = part.child_frame;
+    transform.transform = toTransformMsg(fromMsg(part.pose.pose));
+    transforms.push_back(transform);
+    ++found[part.part];
+  }
+  for (const std::string& part : asked_for) {
+    for (std::size_t rank = found[part] + 1; rank <= sent_[part]; ++rank) {
+      geometry_msgs::TransformStamped transform;
+      transform.header.stamp = header.stamp;
+      transform.header.frame_id = kNotLocatedFrame;
+      transform.child_frame_id = frame(part, rank);
+      transform.transform.rotation.w = 1.0;
+      transforms.push_back(transform);
+    }
+    // Frames once sent stay known to tf2, so the largest number ever sent is what counts.
+    sent_[part] = std::max(sent_[part], found[part]);
+  }
+  return transforms;
+}
+
+}  // namespace planar_bin_picking_ros
