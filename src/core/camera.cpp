@@ -154,7 +154,9 @@ namespace {
 
 std::vector<double> readData(const YAML::Node& root, const std::string& path,
                              const std::string& key) {
-  const YAML::Node data = root[key].IsMap() ? root[key]["data"] : YAML::Node();
+  const bool written = root[key].IsDefined() && root[key].IsMap() && root[key]["data"].IsDefined();
+  if (!written) throw std::runtime_error(path + ": " + key + "/data is missing");
+  const YAML::Node data = root[key]["data"];
   return valueAs<std::vector<double>>(data, path, key + "/data", "a list of numbers");
 }
 

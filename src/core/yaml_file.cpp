@@ -3,10 +3,51 @@
 #include "yaml_file.h"
 
 #include <algorithm>
+#include <limits>
+#include <locale>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 namespace planar_bin_picking {
+namespace {
+
+template <class T>
+bool parse(const std::string& text, T* value) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  return in >> *value && in.eof();
+}
+
+}  // namespace
+
+bool convert(const YAML::Node& node, double* value) {
+  if (!node.IsScalar()) return false;
+  const std::string& text = node.Scalar();
+  if (parse(text, value)) return true;
+  // YAML's words for what is not finite, which the caller refuses with a better message.
+  if (text == ".nan" || text == ".inf" || text == "-.inf") {
+    *value = std::numeric_limits<double>::quiet_NaN();
+    return true;
+  }
+  return false;
+}
+
+bool convert(const YAML::Node& node, int* value) {
+  return node.IsScalar() && parse(node.Scalar(), value);
+}
+
+bool convert(const YAML::Node& node, bool* value) {
+  if (!node.IsScalar()) return false;
+  *value = node.Scalar() == "true";
+  return *value || node.Scalar() == "false";
+}
+
+bool convert(const YAML::Node& node, std::string* value) {
+  if (!node.IsScalar()) return false;
+  *value = node.Scalar();
+  return true;
+}
 
 YAML::Node loadYamlMap(const std::string& path) {
   YAML::Node root;

@@ -28,15 +28,30 @@ std::string inOneLine(const YAML::Node& node);
 [[noreturn]] void throwBadValue(const std::string& where, const std::string& key,
                                 const YAML::Node& node, const std::string& expected);
 
+/// Whether the node holds such a value. The library's own conversion follows the process's locale:
+/// where that has decimal commas it would not read 0.5.
+bool convert(const YAML::Node& node, double* value);
+bool convert(const YAML::Node& node, int* value);
+bool convert(const YAML::Node& node, bool* value);
+bool convert(const YAML::Node& node, std::string* value);
+
+template <class T>
+bool convert(const YAML::Node& node, std::vector<T>* values) {
+  if (!node.IsSequence()) return false;
+  values->resize(node.size());
+  for (std::size_t i = 0; i < node.size(); ++i) {
+    if (!convert(node[i], &(*values)[i])) return false;
+  }
+  return true;
+}
+
 /// @param expected  completes "... must be <expected>"
 template <class T>
 T valueAs(const YAML::Node& node, const std::string& where, const std::string& key,
           const std::string& expected) {
-  try {
-    if (node.IsDefined() && !node.IsNull()) return node.as<T>();
-  } catch (const YAML::Exception&) {
-  }
-  throwBadValue(where, key, node, expected);
+  T value{};
+  if (!node.IsDefined() || !convert(node, &value)) throwBadValue(where, key, node, expected);
+  return value;
 }
 
 }  // namespace planar_bin_picking
