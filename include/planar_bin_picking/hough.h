@@ -45,7 +45,6 @@ struct HoughTask {
   const PartModel* part = nullptr;
   std::size_t part_index = 0;  ///< passed on in Candidate::part
   double distance_min = 0.0, distance_max = 0.0;
-  FaceFilter face = FaceFilter::kAny;
 };
 
 /// @return  candidates, votes descending, ties by position and view; at most params.max_candidates

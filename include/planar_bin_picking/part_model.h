@@ -22,6 +22,15 @@ struct OutlinePoint {
   LoopKind kind = LoopKind::kOuter;
 };
 
+/// A turn of the part (also upside down) after which most of its outline lies on itself again: a
+/// sprocket's other teeth, a plate's other way round, the face that only a print tells from the other. A
+/// pose that was found could as well be any of these.
+struct Lookalike {
+  Eigen::Isometry3d T_part_lookalike = Eigen::Isometry3d::Identity();
+  bool flips = false;  ///< shows the other face
+  bool exact = false;  ///< the shape is symmetric; only the print differs
+};
+
 class PartModel {
  public:
   /// @throws std::invalid_argument  an outline without an outer loop, a negative thickness
@@ -36,6 +45,7 @@ class PartModel {
   bool hasPrint() const { return has_print_; }
   /// Evenly spaced along all loops, loop by loop, in order; prints at the end.
   const std::vector<OutlinePoint>& outline() const { return outline_; }
+  const std::vector<Lookalike>& lookalikes() const { return lookalikes_; }
   /// z of a face in the part frame: 0 for the front, -thickness for the back.
   double faceZ(Face face) const { return face == Face::kFront ? 0.0 : -thickness(); }
 
@@ -46,6 +56,7 @@ class PartModel {
   double radius_ = 0.0;
   bool has_print_ = false;
   std::vector<OutlinePoint> outline_;
+  std::vector<Lookalike> lookalikes_;
 };
 
 }  // namespace planar_bin_picking

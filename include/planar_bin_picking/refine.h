@@ -21,6 +21,7 @@ struct RefineParams {
   double field_reach_end_px = 2.0;  ///< and at last
   double field_support_min = 0.45;  ///< poses below are dropped before the image is looked at
   int max_poses = 250;              ///< that go on to the image
+  double image_support_min = 0.4;   ///< poses below are dropped after the first look at the image
   int image_points = 320;
 
   template <class Self, class Visit>
@@ -32,6 +33,7 @@ struct RefineParams {
     visit("field_reach_end_px", self.field_reach_end_px, 0.5, 20.0);
     visit("field_support_min", self.field_support_min, 0.0, 1.0);
     visit("max_poses", self.max_poses, 1, 10000);
+    visit("image_support_min", self.image_support_min, 0.0, 1.0);
     visit("image_points", self.image_points, 32, 2048);
   }
 };

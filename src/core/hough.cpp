@@ -104,14 +104,10 @@ std::vector<Shape> makeShapes(double tilt_max_deg) {
 int gcdFreeCount(int count) { return count % 37 == 0 ? count - 1 : count; }
 
 std::vector<View> makeViews(const HoughTask& task, const HoughParams& params) {
-  std::vector<Face> faces;
   const auto& symmetry = task.part->symmetry();
-  if (symmetry.mirror) {
-    faces = {Face::kFront};  // the other face looks the same; which it is, is decided by score.h
-  } else {
-    if (task.face != FaceFilter::kBack) faces.push_back(Face::kFront);
-    if (task.face != FaceFilter::kFront) faces.push_back(Face::kBack);
-  }
+  // The faces of a mirror symmetric outline look the same; a print tells them apart later (refine.h).
+  std::vector<Face> faces = {Face::kFront};
+  if (!symmetry.mirror) faces.push_back(Face::kBack);
   const double yaw_range = symmetry.order == 0 ? 0.0 : 2.0 * M_PI / symmetry.order;
   const int yaws =
       std::max(1, static_cast<int>(std::ceil(yaw_range / (params.yaw_step_deg * M_PI / 180.0))));

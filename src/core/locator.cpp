@@ -69,8 +69,7 @@ LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
 
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < request.parts.size(); ++i) {
-    const HoughTask task{request.parts[i].get(), i, request.distance_min, request.distance_max,
-                         request.face};
+    const HoughTask task{request.parts[i].get(), i, request.distance_min, request.distance_max};
     const auto found = findCandidates(edges, task, params_.hough, threads);
     candidates.insert(candidates.end(), found.begin(), found.end());
   }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/part_model.h"
 
+#include "lookalikes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -64,6 +66,7 @@ PartModel::PartModel(PartFile file) : file_(std::move(file)) {
   for (std::size_t i = 0; i < loops.size(); ++i) {
     sampleLoop(loops[i], static_cast<int>(i), length / kSamples, &outline_);
   }
+  lookalikes_ = findLookalikes(*this);
 }
 
 }  // namespace planar_bin_picking

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "refine_image.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// How well one outline point is borne out by the edge it found: Eq. (12)'s |cos|, less with distance.
+inline double supportOf(const EdgeHit& hit, double reach_px) {
+  if (!hit.found) return 0.0;
+  const double off = hit.offset_px / reach_px;
+  return std::max(0.0, 1.0 - off * off) * hit.cosine;
+}
+
+/// Mean support of the points that lie in the image; Psi of Eq. (12), but what is mere noise counts nothing.
+inline double meanSupport(const std::vector<EdgeHit>& hits, double reach_px) {
+  double sum = 0.0;
+  for (const auto& hit : hits) sum += supportOf(hit, reach_px);
+  return hits.empty() ? 0.0 : sum / static_cast<double>(hits.size());
+}
+
+}  // namespace planar_bin_picking

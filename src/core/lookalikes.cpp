@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lookalikes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr int kAngles = 360;
+constexpr std::size_t kMost = 32;
+
+/// Cells of a grid near the outline, for quick "does this point lie on it".
+class NearOutline {
+ public:
+  NearOutline(const std::vector<Eigen::Vector2d>& points, double tolerance)
+      : half_(std::min(256, static_cast<int>(4.0 / tolerance))), cells_(4 * half_ * half_, 0) {
+    const int reach = static_cast<int>(std::ceil(tolerance * scale()));
+    for (const auto& p : points) {
+      const int x = cell(p.x()), y = cell(p.y());
+      for (int j = -reach; j <= reach; ++j) {
+        for (int i = -reach; i <= reach; ++i) {
+          if (i * i + j * j > reach * reach || !valid(x + i) || !valid(y + j)) continue;
+          cells_[static_cast<std::size_t>(y + j) * 2 * half_ + x + i] = 1;
+        }
+      }
+    }
+  }
+  bool operator()(const Eigen::Vector2d& p) const {
+    const int x = cell(p.x()), y = cell(p.y());
+    return valid(x) && valid(y) && cells_[static_cast<std::size_t>(y) * 2 * half_ + x] != 0;
+  }
+
+ private:
+  double scale() const { return half_ / 2.0; }  // the grid spans two radii either way
+  int cell(double v) const { return half_ + static_cast<int>(std::floor(v * scale())); }
+  bool valid(int c) const { return c >= 0 && c < 2 * half_; }
+  int half_;
+  std::vector<std::uint8_t> cells_;
+};
+
+Eigen::Isometry3d turned(const PartModel& part, const Eigen::Vector2d& c, bool flip, double angle) {
+  const Eigen::Translation3d centre(c.x(), c.y(), -0.5 * part.thickness());
+  // A turn by pi about the in-plane axis at angle / 2 mirrors the outline about that axis.
+  const Eigen::AngleAxisd turn =
+      flip ? Eigen::AngleAxisd(M_PI, Eigen::Vector3d(std::cos(angle / 2), std::sin(angle / 2), 0))
+           : Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ());
+  return Eigen::Isometry3d(centre * turn * centre.inverse());
+}
+
+}  // namespace
+
+std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance,
+                                      double share_min) {
+  const Symmetry& symmetry = part.symmetry();
+  std::vector<Eigen::Vector2d> shape;
+  for (const auto& p : part.outline()) {
+    if (p.kind != LoopKind::kPrint) {
+      shape.push_back((p.position - symmetry.center) / part.radius());
+    }
+  }
+  const NearOutline near(shape, tolerance);
+  const auto share = [&](bool flip, double angle) {
+    int hits = 0;
+    const double c = std::cos(angle), s = std::sin(angle);
+    for (const auto& p : shape) {
+      const double y = flip ? -p.y() : p.y();
+      hits += near({c * p.x() - s * y, s * p.x() + c * y});
+    }
+    return hits / static_cast<double>(shape.size());
+  };
+  struct Found {
+    double share, angle;
+    bool flip;
+  };
+  std::vector<Found> found;
+  for (const bool flip : {false, true}) {
+    std::vector<double> shares(kAngles);
+    for (int k = 0; k < kAngles; ++k) shares[k] = share(flip, 2.0 * M_PI * k / kAngles);
+    for (int k = flip ? 0 : 1; k < kAngles; ++k) {
+      const double before = shares[(k + kAngles - 1) % kAngles], after = shares[(k + 1) % kAngles];
+      if (shares[k] < share_min || shares[k] < before || shares[k] <= after) continue;
+      found.push_back({shares[k], 2.0 * M_PI * k / kAngles, flip});
+    }
+  }
+  // Exact symmetries of the shape matter only where a print tells them apart.
+  const int order = std::max(1, symmetry.order);
+  const auto exact = [&](const Found& f) {
+    if (f.flip && !symmetry.mirror) return false;
+    if (symmetry.order == 0) return true;
+    const double base = f.flip ? 2.0 * symmetry.mirror_axis : 0.0;
+    const double turns = (f.angle - base) * order / (2.0 * M_PI);
+    return std::abs(turns - std::round(turns)) * 2.0 * M_PI / order < 1.5 * 2.0 * M_PI / kAngles;
+  };
+  found.erase(std::remove_if(found.begin(), found.end(), exact), found.end());
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Found& a, const Found& b) { return a.share > b.share; });
+  if (found.size() > kMost) found.resize(kMost);
+  std::vector<Lookalike> out;
+  for (int k = 0; k < order && part.hasPrint(); ++k) {
+    const double angle = 2.0 * M_PI * k / order;
+    if (k > 0) out.push_back({turned(part, symmetry.center, false, angle), false, true});
+    if (symmetry.mirror) {
+      out.push_back({turned(part, symmetry.center, true, 2.0 * symmetry.mirror_axis + angle), true, true});
+    }
+  }
+  for (const auto& f : found) {
+    out.push_back({turned(part, symmetry.center, f.flip, f.angle), f.flip, false});
+  }
+  return out;
+}
+
+}  // namespace planar_bin_picking
