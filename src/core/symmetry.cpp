@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -89,13 +90,17 @@ class Figure {
   double crossings(double radius, std::vector<double>* angles) const {
     double least = 1.0;
     for (const auto& [a, b] : sides_) {
-      if ((a.norm() < radius) == (b.norm() < radius)) continue;
-      const Eigen::Vector2d d = (b - a).normalized();
-      const double foot = -a.dot(d), off2 = (a + foot * d).squaredNorm();
-      const double half = std::sqrt(std::max(0.0, radius * radius - off2));
-      const Eigen::Vector2d p = a + (foot + (b.norm() >= radius ? half : -half)) * d;
-      angles->push_back(std::atan2(p.y(), p.x()));
-      least = std::min(least, std::abs(p.dot(d)) / radius);
+      const double length = (b - a).norm();
+      if (length == 0.0) continue;
+      const Eigen::Vector2d d = (b - a) / length;
+      const double foot = -a.dot(d), half2 = radius * radius - (a + foot * d).squaredNorm();
+      if (half2 <= 0.0) continue;
+      for (const double along : {foot - std::sqrt(half2), foot + std::sqrt(half2)}) {
+        if (along < 0.0 || along >= length) continue;
+        const Eigen::Vector2d p = a + along * d;
+        angles->push_back(std::atan2(p.y(), p.x()));
+        least = std::min(least, std::abs(p.dot(d)) / radius);
+      }
     }
     return least;
   }
@@ -161,11 +166,19 @@ bool isRound(const std::vector<const Loop*>& loops, const Eigen::Vector2d& cente
   });
 }
 
-/// The largest order whose turn maps the figure to itself; `of` = 0 tries all, else its divisors.
+/// Whether all turns of that order map the figure to itself. One small turn moves a round figure by
+/// less than the tolerance whether or not it is symmetric; the largest turns tell.
+bool hasOrder(const Figure& figure, int order) {
+  for (int k = order / 2; k > 0; --k) {
+    if (!figure.mapsToItselfTurnedBy(2.0 * kPi * k / order)) return false;
+  }
+  return true;
+}
+
+/// The largest order of rotation; `of` = 0 tries all, else its divisors.
 int rotationOrder(const Figure& figure, int of) {
   for (int order = of == 0 ? kMaxOrder : of; order > 1; --order) {
-    if (of != 0 && of % order != 0) continue;
-    if (figure.mapsToItselfTurnedBy(2.0 * kPi / order)) return order;
+    if ((of == 0 || of % order == 0) && hasOrder(figure, order)) return order;
   }
   return 1;
 }
