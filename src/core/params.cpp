@@ -4,7 +4,7 @@
 
 #include "yaml_file.h"
 
-#include <algorithm>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -27,14 +27,14 @@ std::string expectedType() {
 
 /// Collects the values of nested maps under keys such as "hough/yaw_step_deg".
 void flattenMap(const YAML::Node& map, const std::string& prefix, const std::string& path,
-                std::vector<std::pair<std::string, YAML::Node>>* values) {
+                std::map<std::string, YAML::Node>* values) {
   refuseRepeatedKeys(map, path);
   for (const auto& entry : map) {
     const std::string key = prefix + valueAs<std::string>(entry.first, path, "a key", "a word");
     if (entry.second.IsMap()) {
       flattenMap(entry.second, key + "/", path, values);
     } else {
-      values->emplace_back(key, entry.second);
+      values->emplace(key, entry.second);
     }
   }
 }
@@ -51,21 +51,21 @@ void validate(const LocatorParams& params) {
 }
 
 LocatorParams loadLocatorParams(const std::string& path) {
-  std::vector<std::pair<std::string, YAML::Node>> values;
+  // Not a vector: assigning one YAML::Node to another, as erase would, writes into the tree itself.
+  std::map<std::string, YAML::Node> values;
   flattenMap(loadYamlMap(path), "", path, &values);
   LocatorParams params;
   std::string known;
   forEachField(params, [&](const std::string& key, auto& member, auto, auto) {
     known += (known.empty() ? "" : ", ") + key;
-    const auto it = std::find_if(values.begin(), values.end(),
-                                 [&](const auto& value) { return value.first == key; });
+    const auto it = values.find(key);
     if (it == values.end()) return;
     using Value = std::decay_t<decltype(member)>;
     member = valueAs<Value>(it->second, path, key, expectedType<Value>());
     values.erase(it);
   });
   if (!values.empty()) {
-    throw std::runtime_error(path + ": unknown key \"" + values.front().first + "\"; known are " +
+    throw std::runtime_error(path + ": unknown key \"" + values.begin()->first + "\"; known are " +
                              known);
   }
   try {
