@@ -29,6 +29,9 @@ struct Lookalike {
   Eigen::Isometry3d T_part_lookalike = Eigen::Isometry3d::Identity();
   bool flips = false;  ///< shows the other face
   bool exact = false;  ///< the shape is symmetric; only the print differs
+  /// Shape points (indices into outline()) of the lookalike that lie off the part's own outline, and
+  /// the reverse: only these can tell the two apart.
+  std::vector<int> only_lookalike, only_part;
 };
 
 class PartModel {

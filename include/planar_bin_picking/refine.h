@@ -16,9 +16,9 @@ namespace planar_bin_picking {
 struct RefineParams {
   double tilt_limit_deg = 40.0;  ///< Theta_lim of Eq. (7): beyond, a pose is penalised
   int field_points = 96;
-  int field_iterations = 12;
-  double field_reach_px = 8.0;      ///< field pixels within which an edgel attracts, at first
-  double field_reach_end_px = 2.0;  ///< and at last
+  int field_iterations = 14;
+  double field_reach_radii = 0.13;  ///< radii of the part within which an edgel attracts, at first
+  double field_reach_end_px = 2.0;  ///< field pixels, at last
   double field_support_min = 0.45;  ///< poses below are dropped before the image is looked at
   int max_poses = 250;              ///< that go on to the image
   double image_support_min = 0.4;   ///< poses below are dropped after the first look at the image
@@ -29,7 +29,7 @@ struct RefineParams {
     visit("tilt_limit_deg", self.tilt_limit_deg, 0.0, 80.0);
     visit("field_points", self.field_points, 16, 512);
     visit("field_iterations", self.field_iterations, 1, 100);
-    visit("field_reach_px", self.field_reach_px, 1.0, 40.0);
+    visit("field_reach_radii", self.field_reach_radii, 0.01, 1.0);
     visit("field_reach_end_px", self.field_reach_end_px, 0.5, 20.0);
     visit("field_support_min", self.field_support_min, 0.0, 1.0);
     visit("max_poses", self.max_poses, 1, 10000);

@@ -40,6 +40,10 @@ class NearOutline {
   std::vector<std::uint8_t> cells_;
 };
 
+Eigen::Vector2d mapped(const Eigen::Vector2d& p, bool flip, double angle) {
+  return Eigen::Rotation2Dd(angle) * Eigen::Vector2d(p.x(), flip ? -p.y() : p.y());
+}
+
 Eigen::Isometry3d turned(const PartModel& part, const Eigen::Vector2d& c, bool flip, double angle) {
   const Eigen::Translation3d centre(c.x(), c.y(), -0.5 * part.thickness());
   // A turn by pi about the in-plane axis at angle / 2 mirrors the outline about that axis.
@@ -63,11 +67,7 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance,
   const NearOutline near(shape, tolerance);
   const auto share = [&](bool flip, double angle) {
     int hits = 0;
-    const double c = std::cos(angle), s = std::sin(angle);
-    for (const auto& p : shape) {
-      const double y = flip ? -p.y() : p.y();
-      hits += near({c * p.x() - s * y, s * p.x() + c * y});
-    }
+    for (const auto& p : shape) hits += near(mapped(p, flip, angle));
     return hits / static_cast<double>(shape.size());
   };
   struct Found {
@@ -100,13 +100,20 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance,
   std::vector<Lookalike> out;
   for (int k = 0; k < order && part.hasPrint(); ++k) {
     const double angle = 2.0 * M_PI * k / order;
-    if (k > 0) out.push_back({turned(part, symmetry.center, false, angle), false, true});
+    if (k > 0) out.push_back({turned(part, symmetry.center, false, angle), false, true, {}, {}});
     if (symmetry.mirror) {
-      out.push_back({turned(part, symmetry.center, true, 2.0 * symmetry.mirror_axis + angle), true, true});
+      out.push_back({turned(part, symmetry.center, true, 2.0 * symmetry.mirror_axis + angle), true, true,
+                     {}, {}});
     }
   }
   for (const auto& f : found) {
-    out.push_back({turned(part, symmetry.center, f.flip, f.angle), f.flip, false});
+    Lookalike other{turned(part, symmetry.center, f.flip, f.angle), f.flip, false, {}, {}};
+    for (std::size_t i = 0; i < shape.size(); ++i) {  // shape points come first in outline()
+      if (!near(mapped(shape[i], f.flip, f.angle))) other.only_lookalike.push_back(static_cast<int>(i));
+      const double back = f.flip ? f.angle : -f.angle;  // a mirroring is its own inverse
+      if (!near(mapped(shape[i], f.flip, back))) other.only_part.push_back(static_cast<int>(i));
+    }
+    out.push_back(std::move(other));
   }
   return out;
 }

@@ -22,6 +22,12 @@ struct LocalPoint {
   int index;      ///< into PartModel::outline()
 };
 
+inline LocalPoint localPoint(const PartModel& part, int index) {
+  const auto& p = part.outline()[index];
+  const Eigen::Vector2d q = (p.position - part.center()) / part.radius();
+  return {q.x(), q.y(), -p.normal.y(), p.normal.x(), index};
+}
+
 /// Every k-th sample (about `count`) of those `wanted` accepts.
 template <class Wanted>
 std::vector<LocalPoint> localPoints(const PartModel& part, int count, Wanted&& wanted) {
@@ -34,10 +40,7 @@ std::vector<LocalPoint> localPoints(const PartModel& part, int count, Wanted&& w
   count = std::min(count, n);
   std::vector<LocalPoint> out;
   for (int i = 0; i < count; ++i) {
-    const int k = indices[static_cast<std::size_t>(i) * n / count];
-    const auto& p = outline[k];
-    const Eigen::Vector2d q = (p.position - part.center()) / part.radius();
-    out.push_back({q.x(), q.y(), -p.normal.y(), p.normal.x(), k});
+    out.push_back(localPoint(part, indices[static_cast<std::size_t>(i) * n / count]));
   }
   return out;
 }

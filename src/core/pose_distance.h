@@ -10,8 +10,9 @@
 
 namespace planar_bin_picking {
 
-/// Largest distance, in radii of the part and across the line of sight, between the same points of
-/// two poses of the same face; modulo the outline's rotation symmetry. Depth counts a quarter.
+/// Largest distance, in radii of the part and across the line of sight, between the same points of two
+/// poses of the same face; modulo the outline's rotation symmetry and its lookalikes. Depth counts a
+/// quarter.
 inline double poseDistance(const PartModel& part, const Eigen::Isometry3d& T_camera_a,
                            const Eigen::Isometry3d& T_camera_b, Face face) {
   const auto& symmetry = part.symmetry();
@@ -23,25 +24,24 @@ inline double poseDistance(const PartModel& part, const Eigen::Isometry3d& T_cam
     return std::max((d - depth * ray).norm(), 0.25 * std::abs(depth)) / r;
   };
   const Eigen::Vector3d ca = T_camera_a * c, cb = T_camera_b * c;
-  double centre = apart(ca, cb);
-  if (centre > 1.0) return centre;
   const Eigen::Matrix3d &A = T_camera_a.linear(), &B = T_camera_b.linear();
-  if (symmetry.order == 0) {
-    return std::max(centre, (A.col(2) - B.col(2)).norm());
-  }
-  double best = 1e9;
-  for (int k = 0; k < symmetry.order; ++k) {
-    const Eigen::Matrix3d S =
-        Eigen::AngleAxisd(2.0 * M_PI * k / symmetry.order, Eigen::Vector3d::UnitZ())
-            .toRotationMatrix();
+  const double centre = std::max(apart(ca, cb), 0.25 * (A.col(2) - B.col(2)).norm());
+  if (centre > 0.2 || symmetry.order == 0) return centre;
+  const auto turned = [&](const Eigen::Matrix3d& S) {
     double worst = centre;
     for (int axis = 0; axis < 2; ++axis) {
-      for (const double side : {-1.0, 1.0}) {
-        worst =
-            std::max(worst, apart(ca + side * r * (A * S).col(axis), cb + side * r * B.col(axis)));
-      }
+      const Eigen::Vector3d a = r * (A * S).col(axis), b = r * B.col(axis);
+      worst = std::max({worst, apart(ca + a, cb + b), apart(ca - a, cb - b)});
     }
-    best = std::min(best, worst);
+    return worst;
+  };
+  double best = 1e9;
+  for (int k = 0; k < symmetry.order; ++k) {
+    const Eigen::AngleAxisd S(2.0 * M_PI * k / symmetry.order, Eigen::Vector3d::UnitZ());
+    best = std::min(best, turned(S.toRotationMatrix()));
+  }
+  for (const auto& other : part.lookalikes()) {
+    if (!other.flips) best = std::min(best, turned(other.T_part_lookalike.linear()));
   }
   return best;
 }

@@ -4,6 +4,7 @@
 
 #include "evidence.h"
 #include "parallel.h"
+#include "plane_pose.h"
 #include "pose_distance.h"
 #include "refine_field.h"
 #include "refine_image.h"
@@ -12,11 +13,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace planar_bin_picking {
 namespace {
 
-constexpr ImageReach kWide{8, 1, 1.2}, kNarrow{4, 3, 1.0};
+constexpr ImageReach kNarrow{4, 3, 1.0};
 
 /// A pose on its way through the levels, with its support at the last one.
 struct Tracked {
@@ -55,7 +57,10 @@ class Refiner {
       const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, c.face);
       const auto settled =
           settleInField(edges_.field, outline.coarse, outline.part->radius(),
-                        c.T_camera_part * T_part_centre, params_.field_reach_px, params_);
+                        c.T_camera_part * T_part_centre,
+                        params_.field_reach_radii * edges_.field.focal * outline.part->radius() /
+                            c.T_camera_part.translation().z(),
+                        params_);
       poses[i] = {c.part, c.face, settled.T_camera_centre * T_part_centre.inverse(),
                   settled.support, {}};
     });
@@ -74,6 +79,45 @@ class Refiner {
     }
     pose->T_camera_part = pose->image.T_camera_centre * T_part_centre.inverse();
     pose->support = supportAt(*pose, outline.fine);
+  }
+
+  /// From what the field leaves (a small share of the part's size) to within the narrow reach.
+  void alignWide(Tracked* pose) const {
+    const double radius_px = camera_.model().fx * outlines_[pose->part].part->radius() /
+                             pose->T_camera_part.translation().z();
+    const int reach = std::clamp(static_cast<int>(std::lround(0.03 * radius_px)), 6, 14);
+    align({reach, 1, 1.2}, std::array<double, 4>{1.0 * reach, 0.8 * reach, 0.6 * reach, 4.0}, pose);
+  }
+
+  void alignAllWide(std::vector<Tracked>* poses) const {
+    parallelFor(static_cast<int>(poses->size()), threads_, [&](int i) { alignWide(&(*poses)[i]); });
+  }
+
+  /// Restarts about a settled pose, since a neighbour's edge or a shadow may hold a side of the outline
+  /// and with it the pose: farther and nearer ([1] Sec. III-E goes farther only), tilted to all sides.
+  void searchAround(Tracked* pose) const {
+    static const std::array<std::array<double, 3>, 8> kSteps = {{{0.03, 0, 0}, {-0.03, 0, 0}, {0.06, 0, 0},
+        {0, 0.12, 0}, {0, -0.12, 0}, {0, 0, 0.12}, {0, 0, -0.12}, {-0.06, 0, 0}}};
+    for (int round = 0; round < 2; ++round) {
+      const Tracked from = *pose;
+      const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose->part].part, pose->face);
+      for (const auto& step : kSteps) {
+        Tracked other = from;
+        Eigen::Isometry3d T = from.T_camera_part * T_part_centre;
+        T.translation() *= 1.0 + step[0];
+        T.linear() = T.linear() * (Eigen::AngleAxisd(step[1], Eigen::Vector3d::UnitX()) *
+                                   Eigen::AngleAxisd(step[2], Eigen::Vector3d::UnitY())).toRotationMatrix();
+        other.T_camera_part = T * T_part_centre.inverse();
+        alignWide(&other);
+        align(kNarrow, std::array<double, 2>{3.0, 2.0}, &other);
+        if (other.support > pose->support) *pose = other;
+      }
+      if (pose->support < from.support + 0.02) break;
+    }
+  }
+
+  void searchAll(std::vector<Tracked>* poses) const {
+    parallelFor(static_cast<int>(poses->size()), threads_, [&](int i) { searchAround(&(*poses)[i]); });
   }
 
   template <std::size_t N>
@@ -101,7 +145,13 @@ class Refiner {
     const auto& part = *outlines_[pose.part].part;
     findHits(edges_, camera_, points, part.radius(), pose.T_camera_part * centreOf(part, pose.face),
              kNarrow, &hits);
-    return meanSupport(hits, kNarrow.reach_px);
+    return meanSupport(hits, 2.5);
+  }
+
+  double supportOn(const Tracked& pose, const PartModel& part, const std::vector<int>& indices) const {
+    std::vector<LocalPoint> points;
+    for (const int i : indices) points.push_back(localPoint(part, i));
+    return supportAt(pose, points);
   }
 
   static Tracked twinOf(const Tracked& pose, const Lookalike& other) {
@@ -111,16 +161,51 @@ class Refiner {
     return twin;
   }
 
+  /// The plane that looks nearly the same: tilted the other way about the line of sight ([4]).
+  std::optional<Tracked> tiltTwin(const Tracked& pose) const {
+    constexpr double kTilted = 0.07;  // normals closer than this (4 degrees) refine into each other
+    const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose.part].part, pose.face);
+    const Eigen::Isometry3d T = pose.T_camera_part * T_part_centre;
+    const Eigen::Vector2d p = T.translation().hnormalized();
+    Eigen::Matrix<double, 2, 3> project;
+    project << 1, 0, -p.x(), 0, 1, -p.y();
+    const Eigen::Matrix2d A = project * T.linear().leftCols<2>() / T.translation().z();
+    const auto poses = posesFromAffine(A, p);
+    const auto apart = [&](int k) { return (poses[k].linear().col(2) - T.linear().col(2)).norm(); };
+    const auto& other = poses[apart(0) > apart(1) ? 0 : 1];
+    const double tilt = std::acos(std::min(1.0, std::abs(other.linear()(2, 2))));
+    if ((other.linear().col(2) - T.linear().col(2)).norm() < kTilted ||
+        tilt > params_.tilt_limit_deg * M_PI / 180.0) {
+      return std::nullopt;
+    }
+    Tracked twin = pose;
+    twin.T_camera_part = other * T_part_centre.inverse();
+    return twin;
+  }
+
   void resolveShape(Tracked* pose) const {
-    constexpr double kHopeless = 0.15;  // support that an alignment does not make up for
-    const auto& outline = outlines_[pose->part];
+    if (auto twin = tiltTwin(*pose)) {
+      alignWide(&*twin);
+      align(kNarrow, std::array<double, 2>{3.0, 2.0}, &*twin);
+      if (twin->support > pose->support) *pose = *twin;
+    }
     Tracked best = *pose;
-    for (const auto& other : outline.part->lookalikes()) {
+    double best_gain = 0.0;
+    const auto& part = *outlines_[pose->part].part;
+    const auto gain = [&](const Tracked& twin, const Lookalike& other) {
+      return supportOn(twin, part, other.only_lookalike) - supportOn(*pose, part, other.only_part);
+    };
+    for (const auto& other : part.lookalikes()) {
       if (other.exact) continue;
       Tracked twin = twinOf(*pose, other);
-      if (supportAt(twin, outline.fine) < pose->support - kHopeless) continue;
+      constexpr double kHopeless = -0.3;  // what an alignment does not make up for
+      if (gain(twin, other) < std::max(kHopeless, best_gain - 0.5)) continue;
       align(kNarrow, std::array<double, 2>{4.0, 2.0}, &twin);
-      if (twin.support > best.support) best = twin;
+      const double gained = gain(twin, other);
+      if (gained > best_gain) {
+        best_gain = gained;
+        best = twin;
+      }
     }
     *pose = best;
   }
@@ -200,9 +285,10 @@ std::vector<RefinedPose> refineCandidates(
   const Refiner refiner(edges, camera, params, parts, threads);
   auto poses = refiner.settle(candidates);
   poses = refiner.withoutTwins(std::move(poses), 0.04, params.field_support_min, params.max_poses);
-  refiner.alignAll(kWide, std::array<double, 3>{8.0, 6.0, 4.0}, &poses);
+  refiner.alignAllWide(&poses);
   poses = refiner.withoutTwins(std::move(poses), 0.01, params.image_support_min, params.max_poses);
   refiner.alignAll(kNarrow, std::array<double, 2>{3.0, 2.0}, &poses);
+  refiner.searchAll(&poses);
   refiner.resolveAll(&poses);
   poses = refiner.withoutTwins(std::move(poses), 0.01, params.image_support_min, params.max_poses);
   std::vector<RefinedPose> out;

@@ -10,6 +10,7 @@
 namespace planar_bin_picking {
 namespace {
 
+constexpr double kReachDecay = 0.85;  // per iteration
 constexpr double kTiltWeight = 20.0;  // of the penalty, per point: 10 degrees count like one radius off
 
 /// A point's place in the field: its direction bin is renewed only now and then.
@@ -117,7 +118,7 @@ FieldPose settleInField(const Field& field, const std::vector<LocalPoint>& point
     H.diagonal() += (lambda * accepted.H.diagonal().array() + 0.02 * damp + 1e-9).matrix();
     const Vector6d xi = -H.ldlt().solve(accepted.b);
     T = stepped(T_best, xi.cwiseMax(-0.3).cwiseMin(0.3), radius);
-    const double next = std::max(params.field_reach_end_px, reach * 0.75);
+    const double next = std::max(params.field_reach_end_px, reach * kReachDecay);
     // Costs compare only at the same reach, so a new reach starts a new comparison.
     last_cost = next < reach ? -1.0 : (better ? eq.cost : last_cost);
     reach = next;
