@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+/// The files that the package ships say what the code says: a default stands in the structs alone,
+/// and the YAML that documents it cannot drift from them.
+
+#include "load_params.h"
+#include "part_library.h"
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <fstream>
+#include <set>
+#include <string>
+
+namespace planar_bin_picking_ros {
+namespace {
+
+using planar_bin_picking::LocatorParams;
+
+const std::string kConfig = std::string(SOURCE_DIR) + "/config/";
+
+std::set<std::string> keysOf(const YAML::Node& node, const std::string& prefix = "") {
+  std::set<std::string> keys;
+  for (const auto& entry : node) {
+    const std::string key = prefix + entry.first.as<std::string>();
+    if (entry.second.IsMap()) {
+      keys.merge(keysOf(entry.second, key + "/"));
+    } else {
+      keys.insert(key);
+    }
+  }
+  return keys;
+}
+
+TEST(Config, LocatorYamlEqualsDefaults) {
+  EXPECT_EQ(describe(planar_bin_picking::loadLocatorParams(kConfig + "locator.yaml")),
+            describe(LocatorParams{}));
+}
+
+TEST(Config, LocatorYamlListsEveryKey) {
+  std::set<std::string> fields;
+  const LocatorParams params;
+  planar_bin_picking::forEachField(
+      params, [&](const std::string& key, auto&&...) { fields.insert(key); });
+  EXPECT_EQ(keysOf(YAML::LoadFile(kConfig + "locator.yaml")), fields);
+}
+
+// The lines that are commented out in cell.yaml are keys, too.
+TEST(Config, CellYamlHasKnownKeys) {
+  std::set<std::string> fields;
+  const CellParams params;
+  CellParams::fields(params, [&](const std::string& key, auto&&...) { fields.insert(key); });
+  std::ifstream file(kConfig + "cell.yaml");
+  int keys = 0;
+  for (std::string line; std::getline(file, line);) {
+    const auto start = line.compare(0, 2, "# ") == 0 ? 2 : 0;
+    const auto colon = line.find(": ", start);
+    const std::string key = line.substr(start, colon - start);
+    if (colon == std::string::npos || key.find(' ') != std::string::npos) continue;
+    EXPECT_EQ(fields.count(key), 1u) << key;
+    ++keys;
+  }
+  EXPECT_GE(keys, 8);
+}
+
+TEST(Config, PartsLoad) {
+  const PartLibrary library(kConfig + "parts");
+  EXPECT_TRUE(library.errors().empty());
+  EXPECT_EQ(library.parts().count("bracket"), 1u);
+}
+
+}  // namespace
+}  // namespace planar_bin_picking_ros

@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The tester of all rostests: calls a locator and compares its answer with what its parameters say.
+/// Choose the cases with --gtest_filter; everything waits with a deadline. Parameters, all private:
+///   service            what to call
+///   part, face, timeout, max_parts   of the request
+///   callers            how many call at once
+///   status             that is expected, as a number (LocatePart.srv)
+///   message            words that must stand in the answer's message
+///   seconds_max        within which the answer must be there
+///   truth              file with the parts in camera_frame (test/data/*/truth.yaml), and with it
+///   camera_frame, recall_min, precision_min, lateral_max_mm, depth_max_mm, angle_max_deg
+
+#include "convert.h"
+#include "support/matchers.h"
+#include "truth.h"
+
+#include <planar_bin_picking/LocatePart.h>
+#include <planar_bin_picking/LocatedParts.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <ros/topic.h>
+#include <sensor_msgs/Image.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <thread>
+
+namespace planar_bin_picking_ros {
+namespace {
+
+using planar_bin_picking::isometryNear;
+using planar_bin_picking::LocatedPart;
+using planar_bin_picking::LocatedParts;
+using planar_bin_picking::LocatePart;
+using std::chrono::duration;
+using std::chrono::steady_clock;
+
+const std::chrono::seconds kDeadline(20);  // for whatever must come at all; machines may be busy
+
+template <class Value>
+Value required(const std::string& name) {
+  Value value;
+  if (!ros::NodeHandle("~").getParam(name, value)) {
+    throw std::runtime_error("the test does not set ~" + name);
+  }
+  return value;
+}
+
+template <class Value>
+Value optional(const std::string& name, const Value& value) {
+  return ros::NodeHandle("~").param(name, value);
+}
+
+struct Call {
+  bool answered = false;
+  double seconds = 0.0;
+  LocatePart::Response response;
+};
+
+Call callLocator() {
+  LocatePart service;
+  service.request.part = optional<std::string>("part", "");
+  service.request.face = static_cast<std::uint8_t>(optional("face", 0));
+  service.request.max_parts = static_cast<std::uint32_t>(optional("max_parts", 0));
+  service.request.timeout = ros::Duration(optional("timeout", 0.0));
+  const auto start = steady_clock::now();
+  Call call;
+  call.answered = ros::service::call(required<std::string>("service"), service);
+  call.seconds = duration<double>(steady_clock::now() - start).count();
+  call.response = service.response;
+  return call;
+}
+
+/// Calls once for all cases.
+class Locate : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    buffer_ = std::make_unique<tf2_ros::Buffer>();
+    listener_ = std::make_unique<tf2_ros::TransformListener>(*buffer_);
+    const auto deadline = steady_clock::now() + kDeadline;
+    while (!ros::service::exists(required<std::string>("service"), false)) {
+      if (steady_clock::now() > deadline) return;  // every case says so
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    std::vector<std::future<Call>> calls;
+    for (int i = 0; i < optional("callers", 1); ++i) {
+      calls.push_back(std::async(std::launch::async, callLocator));
+    }
+    for (auto& call : calls) calls_.push_back(call.get());
+  }
+
+  static void TearDownTestSuite() {
+    listener_.reset();
+    buffer_.reset();
+  }
+
+  void SetUp() override {
+    ASSERT_FALSE(calls_.empty()) << "no service " << required<std::string>("service");
+  }
+
+  static const LocatePart::Response& response() { return calls_.back().response; }
+
+  /// T_target_source at any time, or nothing at the deadline.
+  static std::optional<Eigen::Isometry3d> lookup(const std::string& target, const std::string& source,
+                                                 const ros::Time& stamp) {
+    const auto deadline = steady_clock::now() + kDeadline;
+    while (!buffer_->canTransform(target, source, stamp)) {
+      if (steady_clock::now() > deadline) return std::nullopt;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return fromMsg(buffer_->lookupTransform(target, source, stamp).transform);
+  }
+
+  template <class Message>
+  static boost::shared_ptr<const Message> latched(const std::string& topic) {
+    ros::NodeHandle nh(ros::names::parentNamespace(required<std::string>("service")));
+    // Wall time: with simulated time waitForMessage's own time-out might never end.
+    auto future = std::async(std::launch::async,
+                             [&] { return ros::topic::waitForMessage<Message>(topic, nh); });
+    if (future.wait_for(kDeadline) == std::future_status::timeout) ros::shutdown();
+    return future.get();
+  }
+
+  static std::vector<Call> calls_;
+  static std::unique_ptr<tf2_ros::Buffer> buffer_;
+  static std::unique_ptr<tf2_ros::TransformListener> listener_;
+};
+
+std::vector<Call> Locate::calls_;
+std::unique_ptr<tf2_ros::Buffer> Locate::buffer_;
+std::unique_ptr<tf2_ros::TransformListener> Locate::listener_;
+
+TEST_F(Locate, AnswersAsExpected) {
+  for (const Call& call : calls_) {
+    ASSERT_TRUE(call.answered);
+    EXPECT_EQ(call.response.status, required<int>("status")) << call.response.message;
+    EXPECT_NE(call.response.message.find(optional<std::string>("message", "")), std::string::npos)
+        << call.response.message;
+    EXPECT_LE(call.seconds, optional("seconds_max", 60.0));
+    EXPECT_EQ(call.response.parts.empty(), call.response.status != LocatePart::Response::OK);
+  }
+}
+
+TEST_F(Locate, EveryCallerGetsTheSameParts) {
+  for (const Call& call : calls_) EXPECT_EQ(call.response.parts.size(), response().parts.size());
+}
+
+TEST_F(Locate, PosesMatchTruth) {
+  ASSERT_FALSE(response().parts.empty()) << response().message;
+  const std_msgs::Header& header = response().parts[0].header;
+  const auto T_camera_header =
+      lookup(required<std::string>("camera_frame"), header.frame_id, header.stamp);
+  ASSERT_TRUE(T_camera_header);
+  Truth truth(required<std::string>("truth"));
+  TruthTolerance tolerance;
+  tolerance.lateral = 1e-3 * required<double>("lateral_max_mm");
+  tolerance.depth = 1e-3 * required<double>("depth_max_mm");
+  tolerance.angle = M_PI / 180.0 * required<double>("angle_max_deg");
+  int right = 0;
+  for (const LocatedPart& part : response().parts) {
+    const bool front = part.face == LocatedPart::FRONT;
+    right += truth.take(part.part, front, *T_camera_header * fromMsg(part.pose.pose), tolerance);
+    if (&part == &response().parts.front()) {
+      EXPECT_EQ(right, 1) << "the first match is wrong";
+    }
+  }
+  EXPECT_GE(right, required<double>("precision_min") * response().parts.size());
+  EXPECT_GE(truth.pickableTaken(), required<double>("recall_min") * truth.pickable());
+  RecordProperty("right", right);
+  RecordProperty("found", static_cast<int>(response().parts.size()));
+}
+
+TEST_F(Locate, RankedBestFirst) {
+  const auto& parts = response().parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    EXPECT_GE(parts[i].score, 0.0);
+    EXPECT_LE(parts[i].score, 1.0);
+    EXPECT_NE(parts[i].child_frame.find(parts[i].part + "_"), std::string::npos);
+    EXPECT_GE(parts[i > 0 ? i - 1 : i].score, parts[i].score);
+    EXPECT_GT(parts[i].pose.covariance[0], 0.0);
+  }
+}
+
+// At the latest time, that is, also after the camera has moved on.
+TEST_F(Locate, FramesStandOnTf) {
+  for (const LocatedPart& part : response().parts) {
+    const auto T_header_part = lookup(part.header.frame_id, part.child_frame, ros::Time());
+    ASSERT_TRUE(T_header_part) << part.child_frame;
+    EXPECT_TRUE(isometryNear(*T_header_part, fromMsg(part.pose.pose), 1e-9, 1e-6));
+  }
+}
+
+TEST_F(Locate, LatchedTopicsShowTheAnswer) {
+  const auto list = latched<LocatedParts>("located_parts");
+  ASSERT_TRUE(list);
+  EXPECT_EQ(list->parts.size(), response().parts.size());
+  const auto markers = latched<visualization_msgs::MarkerArray>("markers");
+  ASSERT_TRUE(markers);
+  EXPECT_EQ(markers->markers.size(), 1 + 2 * response().parts.size());  // delete; outline and name
+  const auto overlay = latched<sensor_msgs::Image>("overlay");
+  ASSERT_TRUE(overlay);
+  EXPECT_EQ(overlay->encoding, "bgr8");
+  EXPECT_GT(overlay->width, 0u);
+}
+
+}  // namespace
+}  // namespace planar_bin_picking_ros
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "locate_tester");
+  ros::AsyncSpinner spinner(1);
+  spinner.start();
+  return RUN_ALL_TESTS();
+}
