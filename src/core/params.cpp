@@ -57,6 +57,9 @@ LocatorParams loadLocatorParams(const std::string& path) {
   LocatorParams params;
   std::string known;
   forEachField(params, [&](const std::string& key, auto& member, auto, auto) {
+    // A stage whose lines are all commented out.
+    const auto stage = values.find(key.substr(0, key.find('/')));
+    if (stage != values.end() && stage->first != key && stage->second.IsNull()) values.erase(stage);
     known += (known.empty() ? "" : ", ") + key;
     const auto it = values.find(key);
     if (it == values.end()) return;

@@ -164,6 +164,7 @@ class Refiner {
   /// The plane that looks nearly the same: tilted the other way about the line of sight ([4]).
   std::optional<Tracked> tiltTwin(const Tracked& pose) const {
     constexpr double kTilted = 0.07;  // normals closer than this (4 degrees) refine into each other
+    constexpr double kSlackDeg = 10.0;  // a start only: it may settle within the limit
     const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose.part].part, pose.face);
     const Eigen::Isometry3d T = pose.T_camera_part * T_part_centre;
     const Eigen::Vector2d p = T.translation().hnormalized();
@@ -175,7 +176,7 @@ class Refiner {
     const auto& other = poses[apart(0) > apart(1) ? 0 : 1];
     const double tilt = std::acos(std::min(1.0, std::abs(other.linear()(2, 2))));
     if ((other.linear().col(2) - T.linear().col(2)).norm() < kTilted ||
-        tilt > params_.tilt_limit_deg * M_PI / 180.0) {
+        tilt > (params_.tilt_limit_deg + kSlackDeg) * M_PI / 180.0) {
       return std::nullopt;
     }
     Tracked twin = pose;

@@ -154,33 +154,56 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
     normal[i] = at.normal;
     target[i] = at.pixel + hits[i].offset_px * at.normal;
   }
-  ImagePose out;
-  out.T_camera_centre = T_camera_centre;
-  for (int k = 0; k < 3; ++k) {
+  // Levenberg-Marquardt on these associations: the rotation about a slender part's axis is so weakly
+  // held that undamped steps leap.
+  const auto build = [&](const Eigen::Isometry3d& T, int* used) {
     NormalEquations eq;
     absolute.clear();
-    out.used = 0;
+    *used = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (!hits[i].found) continue;
       Posed at;
-      if (!poseOf(camera, points[i], radius, out.T_camera_centre, &at)) continue;
+      if (!poseOf(camera, points[i], radius, T, &at)) continue;
       const double r = normal[i].dot(at.pixel - target[i]);
       const double e = 1.0 - (r * r) / (tukey_px * tukey_px);
-      if (e <= 0.0) continue;
+      if (e <= 0.0) {
+        eq.cost += 1.0;
+        continue;
+      }
+      eq.cost += 1.0 - e * e * e;
       absolute.push_back(std::abs(r));
       const double sign = normal[i].dot(at.normal) < 0.0 ? -1.0 : 1.0;
       eq.add(points[i].x, points[i].y, sign * at.g_local, r, e * e);
-      ++out.used;
+      ++*used;
     }
-    out.information = eq.H;
-    if (out.used < 8) return out;
-    // A little damping: where the image says nothing (a full circle's yaw), nothing moves.
+    return eq;
+  };
+  ImagePose out;
+  out.T_camera_centre = T_camera_centre;
+  NormalEquations eq = build(T_camera_centre, &out.used);
+  double lambda = 1e-3;
+  for (int k = 0; k < 4 && out.used >= 8; ++k) {
     Matrix6d H = eq.H;
-    H.diagonal().array() += 1e-6 * eq.H.trace() + 1e-12;
+    H.diagonal() += lambda * eq.H.diagonal();
+    H.diagonal().array() += 1e-7 * eq.H.trace() + 1e-12;
     const Vector6d xi = -H.ldlt().solve(eq.b);
-    out.T_camera_centre = stepped(out.T_camera_centre, xi.cwiseMax(-0.1).cwiseMin(0.1), radius);
-    if (xi.squaredNorm() < 1e-12) break;
+    const Eigen::Isometry3d T =
+        stepped(out.T_camera_centre, xi.cwiseMax(-0.1).cwiseMin(0.1), radius);
+    int used = 0;
+    const NormalEquations next = build(T, &used);
+    if (next.cost > eq.cost) {
+      lambda *= 10.0;
+      continue;
+    }
+    const bool settled = next.cost > eq.cost - 1e-4 * points.size();
+    eq = next;
+    out.used = used;
+    out.T_camera_centre = T;
+    lambda *= 0.3;
+    if (settled) break;
   }
+  out.information = eq.H;
+  if (out.used < 8) return out;
   (void)tilt_limit;
   std::nth_element(absolute.begin(), absolute.begin() + absolute.size() / 2, absolute.end());
   out.residual_px = 1.4826 * absolute[absolute.size() / 2];
