@@ -22,6 +22,9 @@ struct RefineParams {
   double field_support_min = 0.45;  ///< poses below are dropped before the image is looked at
   int max_poses = 250;              ///< that go on to the image
   double image_support_min = 0.4;   ///< poses below are dropped after the first look at the image
+  double search_below = 0.92;       ///< poses better supported need no search about them
+  double search_support_min = 0.55; ///< poses below are dropped after the search
+  int wide_points = 128;
   int image_points = 320;
 
   template <class Self, class Visit>
@@ -34,6 +37,9 @@ struct RefineParams {
     visit("field_support_min", self.field_support_min, 0.0, 1.0);
     visit("max_poses", self.max_poses, 1, 10000);
     visit("image_support_min", self.image_support_min, 0.0, 1.0);
+    visit("search_below", self.search_below, 0.0, 1.0);
+    visit("search_support_min", self.search_support_min, 0.0, 1.0);
+    visit("wide_points", self.wide_points, 32, 512);
     visit("image_points", self.image_points, 32, 2048);
   }
 };

@@ -32,7 +32,7 @@ struct Tracked {
 /// What the levels need of a part, made once per call.
 struct Outline {
   const PartModel* part;
-  std::vector<LocalPoint> coarse, fine, print;
+  std::vector<LocalPoint> field, wide, fine, print;
 };
 
 class Refiner {
@@ -44,6 +44,7 @@ class Refiner {
     const auto is_print = [](const OutlinePoint& p) { return p.kind == LoopKind::kPrint; };
     for (const auto& part : parts) {
       outlines_.push_back({part.get(), localPoints(*part, params.field_points, is_shape),
+                           localPoints(*part, params.wide_points, is_shape),
                            localPoints(*part, params.image_points, is_shape),
                            localPoints(*part, params.image_points, is_print)});
     }
@@ -56,7 +57,7 @@ class Refiner {
       const auto& outline = outlines_[c.part];
       const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, c.face);
       const auto settled =
-          settleInField(edges_.field, outline.coarse, outline.part->radius(),
+          settleInField(edges_.field, outline.field, outline.part->radius(),
                         c.T_camera_part * T_part_centre,
                         params_.field_reach_radii * edges_.field.focal * outline.part->radius() /
                             c.T_camera_part.translation().z(),
@@ -69,16 +70,17 @@ class Refiner {
 
   /// Steps in the raw image, the reach shrinking.
   template <std::size_t N>
-  void align(const ImageReach& reach, const std::array<double, N>& tukey_px, Tracked* pose) const {
+  void align(const std::vector<LocalPoint>& points, const ImageReach& reach,
+             const std::array<double, N>& tukey_px, Tracked* pose) const {
     const auto& outline = outlines_[pose->part];
     const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, pose->face);
     pose->image.T_camera_centre = pose->T_camera_part * T_part_centre;
     for (const double tukey : tukey_px) {
-      pose->image = stepInImage(edges_, camera_, outline.fine, outline.part->radius(),
-                                pose->image.T_camera_centre, reach, tukey, 0.0);
+      pose->image = stepInImage(edges_, camera_, points, outline.part->radius(),
+                                pose->image.T_camera_centre, reach, tukey);
     }
     pose->T_camera_part = pose->image.T_camera_centre * T_part_centre.inverse();
-    pose->support = supportAt(*pose, outline.fine);
+    pose->support = supportAt(*pose, points);
   }
 
   /// From what the field leaves (a small share of the part's size) to within the narrow reach.
@@ -86,53 +88,52 @@ class Refiner {
     const double radius_px = camera_.model().fx * outlines_[pose->part].part->radius() /
                              pose->T_camera_part.translation().z();
     const int reach = std::clamp(static_cast<int>(std::lround(0.03 * radius_px)), 6, 14);
-    align({reach, 1, 1.2}, std::array<double, 4>{1.0 * reach, 0.8 * reach, 0.6 * reach, 4.0}, pose);
+    align(outlines_[pose->part].wide, {reach, 1, 1.2},
+          std::array<double, 3>{1.0 * reach, 0.7 * reach, 4.0}, pose);
   }
 
-  void alignAllWide(std::vector<Tracked>* poses) const {
-    parallelFor(static_cast<int>(poses->size()), threads_, [&](int i) { alignWide(&(*poses)[i]); });
+  void alignNarrow(Tracked* pose) const {
+    align(outlines_[pose->part].fine, kNarrow, std::array<double, 2>{3.0, 2.0}, pose);
+  }
+
+  template <class Step>
+  void forAll(std::vector<Tracked>* poses, Step&& step) const {
+    parallelFor(static_cast<int>(poses->size()), threads_, [&](int i) { step(&(*poses)[i]); });
   }
 
   /// Restarts about a settled pose, since a neighbour's edge or a shadow may hold a side of the outline
   /// and with it the pose: farther and nearer ([1] Sec. III-E goes farther only), tilted to all sides.
   void searchAround(Tracked* pose) const {
-    static const std::array<std::array<double, 3>, 8> kSteps = {{{0.03, 0, 0}, {-0.03, 0, 0}, {0.06, 0, 0},
-        {0, 0.12, 0}, {0, -0.12, 0}, {0, 0, 0.12}, {0, 0, -0.12}, {-0.06, 0, 0}}};
+    static const std::array<std::array<double, 3>, 8> kSteps = {
+        {{0.03, 0, 0}, {-0.03, 0, 0}, {0.06, 0, 0}, {0, 0.12, 0}, {0, -0.12, 0}, {0, 0, 0.12},
+         {0, 0, -0.12}, {-0.06, 0, 0}}};
+    const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose->part].part, pose->face);
     for (int round = 0; round < 2; ++round) {
       const Tracked from = *pose;
-      const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose->part].part, pose->face);
       for (const auto& step : kSteps) {
+        if (pose->support > params_.search_below) return;
         Tracked other = from;
         Eigen::Isometry3d T = from.T_camera_part * T_part_centre;
         T.translation() *= 1.0 + step[0];
         T.linear() = T.linear() * (Eigen::AngleAxisd(step[1], Eigen::Vector3d::UnitX()) *
-                                   Eigen::AngleAxisd(step[2], Eigen::Vector3d::UnitY())).toRotationMatrix();
+                                   Eigen::AngleAxisd(step[2], Eigen::Vector3d::UnitY()))
+                                      .toRotationMatrix();
         other.T_camera_part = T * T_part_centre.inverse();
         alignWide(&other);
-        align(kNarrow, std::array<double, 2>{3.0, 2.0}, &other);
         if (other.support > pose->support) *pose = other;
       }
-      if (pose->support < from.support + 0.02) break;
+      if (pose->support < from.support + 0.02) return;
     }
   }
 
-  void searchAll(std::vector<Tracked>* poses) const {
-    parallelFor(static_cast<int>(poses->size()), threads_, [&](int i) { searchAround(&(*poses)[i]); });
-  }
-
-  template <std::size_t N>
-  void alignAll(const ImageReach& reach, const std::array<double, N>& tukey_px,
-                std::vector<Tracked>* poses) const {
-    parallelFor(static_cast<int>(poses->size()), threads_,
-                [&](int i) { align(reach, tukey_px, &(*poses)[i]); });
-  }
+  /// Without those that a clearly better pose of the same place outdoes.
+  std::vector<Tracked> withoutOutdone(const std::vector<Tracked>& poses) const;
 
   /// Each pose gives way to its best lookalike.
-  void resolveAll(std::vector<Tracked>* poses) const {
-    parallelFor(static_cast<int>(poses->size()), threads_, [&](int i) {
-      resolveShape(&(*poses)[i]);
-      resolvePrint(&(*poses)[i]);
-    });
+  void resolve(Tracked* pose) const {
+    resolveTilt(pose);
+    resolveShape(pose);
+    resolvePrint(pose);
   }
 
   std::vector<Tracked> withoutTwins(std::vector<Tracked> poses, double distance, double support_min,
@@ -184,12 +185,16 @@ class Refiner {
     return twin;
   }
 
+  void resolveTilt(Tracked* pose) const {
+    auto twin = tiltTwin(*pose);
+    if (!twin) return;
+    alignWide(&*twin);
+    if (twin->support < pose->support - 0.1) return;
+    alignNarrow(&*twin);
+    if (twin->support > pose->support) *pose = *twin;
+  }
+
   void resolveShape(Tracked* pose) const {
-    if (auto twin = tiltTwin(*pose)) {
-      alignWide(&*twin);
-      align(kNarrow, std::array<double, 2>{3.0, 2.0}, &*twin);
-      if (twin->support > pose->support) *pose = *twin;
-    }
     Tracked best = *pose;
     double best_gain = 0.0;
     const auto& part = *outlines_[pose->part].part;
@@ -201,7 +206,7 @@ class Refiner {
       Tracked twin = twinOf(*pose, other);
       constexpr double kHopeless = -0.3;  // what an alignment does not make up for
       if (gain(twin, other) < std::max(kHopeless, best_gain - 0.5)) continue;
-      align(kNarrow, std::array<double, 2>{4.0, 2.0}, &twin);
+      alignNarrow(&twin);
       const double gained = gain(twin, other);
       if (gained > best_gain) {
         best_gain = gained;
@@ -260,6 +265,24 @@ std::vector<Tracked> Refiner::withoutTwins(std::vector<Tracked> poses, double di
   return kept;
 }
 
+std::vector<Tracked> Refiner::withoutOutdone(const std::vector<Tracked>& poses) const {
+  constexpr double kSamePlace = 0.35, kClearly = 0.12;  // radii; support
+  std::vector<Tracked> kept;
+  const auto centre = [&](const Tracked& p) -> Eigen::Vector3d {
+    return p.T_camera_part * centreOf(*outlines_[p.part].part, p.face).translation();
+  };
+  for (const auto& p : poses) {
+    const Eigen::Vector3d c = centre(p);
+    const double reach = kSamePlace * outlines_[p.part].part->radius() / c.z();
+    const bool outdone = std::any_of(poses.begin(), poses.end(), [&](const Tracked& o) {
+      return o.part == p.part && o.support > p.support + kClearly &&
+             (centre(o).hnormalized() - c.hnormalized()).norm() < reach;
+    });
+    if (!outdone) kept.push_back(p);
+  }
+  return kept;
+}
+
 RefinedPose Refiner::finish(const Tracked& pose) const {
   RefinedPose out;
   out.part = pose.part;
@@ -286,12 +309,17 @@ std::vector<RefinedPose> refineCandidates(
   const Refiner refiner(edges, camera, params, parts, threads);
   auto poses = refiner.settle(candidates);
   poses = refiner.withoutTwins(std::move(poses), 0.04, params.field_support_min, params.max_poses);
-  refiner.alignAllWide(&poses);
-  poses = refiner.withoutTwins(std::move(poses), 0.01, params.image_support_min, params.max_poses);
-  refiner.alignAll(kNarrow, std::array<double, 2>{3.0, 2.0}, &poses);
-  refiner.searchAll(&poses);
-  refiner.resolveAll(&poses);
-  poses = refiner.withoutTwins(std::move(poses), 0.01, params.image_support_min, params.max_poses);
+  refiner.forAll(&poses, [&](auto* p) { refiner.alignWide(p); });
+  poses = refiner.withoutTwins(std::move(poses), 0.02, params.image_support_min, params.max_poses);
+  poses = refiner.withoutOutdone(poses);
+  refiner.forAll(&poses, [&](auto* p) { refiner.searchAround(p); });
+  poses = refiner.withoutTwins(std::move(poses), 0.02, params.search_support_min, params.max_poses);
+  poses = refiner.withoutOutdone(poses);
+  refiner.forAll(&poses, [&](auto* p) {
+    refiner.alignNarrow(p);
+    refiner.resolve(p);
+  });
+  poses = refiner.withoutTwins(std::move(poses), 0.02, params.search_support_min, params.max_poses);
   std::vector<RefinedPose> out;
   for (const auto& p : poses) out.push_back(refiner.finish(p));
   return out;

@@ -19,6 +19,7 @@ constexpr double kNoiseFactor = 4.0;  // an edge on a profile is this far above 
 struct Posed {
   Eigen::Vector2d pixel, normal;
   Eigen::Vector3d g_local;  // d(normal . pixel) / d(point), part axes, point in radii
+  double out_px;            // pixels along the normal for a radius out of the material
 };
 
 bool poseOf(const Camera& camera, const LocalPoint& p, double radius, const Eigen::Isometry3d& T,
@@ -38,6 +39,7 @@ bool poseOf(const Camera& camera, const LocalPoint& p, double radius, const Eige
   out->g_local = T.linear().transpose() *
                  (radius * inv_z * Eigen::Vector3d(n_ideal.x(), n_ideal.y(),
                                                    -(n_ideal.x() * u + n_ideal.y() * v)));
+  out->out_px = out->normal.dot(o) * radius * inv_z;
   return true;
 }
 
@@ -70,7 +72,6 @@ EdgeHit bestEdge(const EdgeMap& edges, const Posed& at, const ImageReach& reach,
       at.pixel.y() > image.rows - 2 - span) {
     return hit;
   }
-  hit.inside_image = true;
   std::array<float, 2 * (kMaxReach + kTaps + 1) + 1> sum{}, across{};
   const float nx = static_cast<float>(at.normal.x()), ny = static_cast<float>(at.normal.y());
   const int side = reach.lines / 2;
@@ -138,75 +139,127 @@ void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<Loca
   }
 }
 
+namespace {
+
+/// One associated point: offset(xi) = offset + row . xi (+ inset * out_px).
+struct Row {
+  Vector6d J;
+  double offset, out_px;
+};
+
+struct WeightedSystem {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d b = Vector6d::Zero();
+  double cost = 0.0;
+  int used = 0;
+};
+
+/// The pose moves by pixels within one association, so the projection counts as linear there.
+WeightedSystem weigh(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
+  WeightedSystem s;
+  const double inv2 = 1.0 / (tukey_px * tukey_px);
+  for (const auto& row : rows) {
+    const double r = row.J.dot(xi) - row.offset;
+    const double e = 1.0 - r * r * inv2;
+    if (e <= 0.0) {
+      s.cost += 1.0;
+      continue;
+    }
+    s.cost += 1.0 - e * e * e;
+    const Vector6d wJ = (e * e) * row.J;
+    s.H.noalias() += wJ * row.J.transpose();
+    s.b.noalias() += r * wJ;
+    ++s.used;
+  }
+  return s;
+}
+
+/// Pose and inset together, by the final weights; the pose is then eliminated.
+void estimateInset(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
+                   ImagePose* out) {
+  const double inv2 = 1.0 / (tukey_px * tukey_px);
+  Vector6d h = Vector6d::Zero();
+  double hh = 0.0, c = 0.0;
+  WeightedSystem s = weigh(rows, xi, tukey_px);
+  for (const auto& row : rows) {
+    const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r * inv2;
+    if (e <= 0.0) continue;
+    const double w = e * e;
+    // The predicted edge moves inward: its offset along the outward normal falls by inset * out_px.
+    h += (-w * row.out_px) * row.J;
+    hh += w * row.out_px * row.out_px;
+    c += -w * row.out_px * r;
+  }
+  s.H.diagonal().array() += 1e-9 * s.H.trace() + 1e-12;
+  const auto solver = s.H.ldlt();
+  out->inset_information = std::max(0.0, hh - h.dot(solver.solve(h)));
+  out->inset = out->inset_information > 0.0
+                   ? -(c - h.dot(solver.solve(s.b))) / out->inset_information
+                   : 0.0;
+}
+
+double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
+  std::vector<double> absolute;
+  for (const auto& row : rows) {
+    const double r = std::abs(row.J.dot(xi) - row.offset);
+    if (r < tukey_px) absolute.push_back(r);
+  }
+  if (absolute.empty()) return tukey_px;
+  std::nth_element(absolute.begin(), absolute.begin() + absolute.size() / 2, absolute.end());
+  return 1.4826 * absolute[absolute.size() / 2];
+}
+
+}  // namespace
+
 ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
                       const std::vector<LocalPoint>& points, double radius,
                       const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
-                      double tukey_px, double tilt_limit) {
-  std::vector<EdgeHit> hits;
-  findHits(edges, camera, points, radius, T_camera_centre, reach, &hits);
-  std::vector<Eigen::Vector2d> target(points.size());  // pixel and normal at association
-  std::vector<Eigen::Vector2d> normal(points.size());
-  std::vector<double> absolute;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!hits[i].found) continue;
+                      double tukey_px) {
+  const auto taps = derivativeTaps(reach.sigma_px);
+  std::vector<Row> rows;
+  rows.reserve(points.size());
+  for (const auto& p : points) {
     Posed at;
-    poseOf(camera, points[i], radius, T_camera_centre, &at);
-    normal[i] = at.normal;
-    target[i] = at.pixel + hits[i].offset_px * at.normal;
+    if (!poseOf(camera, p, radius, T_camera_centre, &at)) continue;
+    const EdgeHit hit = bestEdge(edges, at, reach, taps);
+    if (!hit.found) continue;
+    Row row;
+    const auto& g = at.g_local;
+    row.J << g, p.y * g.z(), -p.x * g.z(), p.x * g.y() - p.y * g.x();
+    row.offset = hit.offset_px;
+    row.out_px = at.out_px;
+    rows.push_back(row);
   }
-  // Levenberg-Marquardt on these associations: the rotation about a slender part's axis is so weakly
-  // held that undamped steps leap.
-  const auto build = [&](const Eigen::Isometry3d& T, int* used) {
-    NormalEquations eq;
-    absolute.clear();
-    *used = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!hits[i].found) continue;
-      Posed at;
-      if (!poseOf(camera, points[i], radius, T, &at)) continue;
-      const double r = normal[i].dot(at.pixel - target[i]);
-      const double e = 1.0 - (r * r) / (tukey_px * tukey_px);
-      if (e <= 0.0) {
-        eq.cost += 1.0;
-        continue;
-      }
-      eq.cost += 1.0 - e * e * e;
-      absolute.push_back(std::abs(r));
-      const double sign = normal[i].dot(at.normal) < 0.0 ? -1.0 : 1.0;
-      eq.add(points[i].x, points[i].y, sign * at.g_local, r, e * e);
-      ++*used;
-    }
-    return eq;
-  };
   ImagePose out;
   out.T_camera_centre = T_camera_centre;
-  NormalEquations eq = build(T_camera_centre, &out.used);
+  Vector6d xi = Vector6d::Zero();
+  WeightedSystem system = weigh(rows, xi, tukey_px);
+  // Levenberg-Marquardt: the rotation about a slender part's axis is so weakly held that undamped steps
+  // leap.
   double lambda = 1e-3;
-  for (int k = 0; k < 4 && out.used >= 8; ++k) {
-    Matrix6d H = eq.H;
-    H.diagonal() += lambda * eq.H.diagonal();
-    H.diagonal().array() += 1e-7 * eq.H.trace() + 1e-12;
-    const Vector6d xi = -H.ldlt().solve(eq.b);
-    const Eigen::Isometry3d T =
-        stepped(out.T_camera_centre, xi.cwiseMax(-0.1).cwiseMin(0.1), radius);
-    int used = 0;
-    const NormalEquations next = build(T, &used);
-    if (next.cost > eq.cost) {
+  for (int k = 0; k < 5 && system.used >= 8; ++k) {
+    Matrix6d H = system.H;
+    H.diagonal() += lambda * system.H.diagonal();
+    H.diagonal().array() += 1e-7 * system.H.trace() + 1e-12;
+    const Vector6d step = -H.ldlt().solve(system.b);
+    const Vector6d next_xi = (xi + step).cwiseMax(-0.15).cwiseMin(0.15);
+    const WeightedSystem next = weigh(rows, next_xi, tukey_px);
+    if (next.cost > system.cost) {
       lambda *= 10.0;
       continue;
     }
-    const bool settled = next.cost > eq.cost - 1e-4 * points.size();
-    eq = next;
-    out.used = used;
-    out.T_camera_centre = T;
+    const bool settled = next.cost > system.cost - 1e-4 * rows.size();
+    xi = next_xi;
+    system = next;
     lambda *= 0.3;
     if (settled) break;
   }
-  out.information = eq.H;
+  out.used = system.used;
+  out.information = system.H;
   if (out.used < 8) return out;
-  (void)tilt_limit;
-  std::nth_element(absolute.begin(), absolute.begin() + absolute.size() / 2, absolute.end());
-  out.residual_px = 1.4826 * absolute[absolute.size() / 2];
+  out.T_camera_centre = stepped(T_camera_centre, xi, radius);
+  out.residual_px = robustSpread(rows, xi, tukey_px);
+  estimateInset(rows, xi, tukey_px, &out);
   return out;
 }
 

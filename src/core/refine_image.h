@@ -15,7 +15,6 @@ namespace planar_bin_picking {
 
 /// The edge that one outline point found on its normal.
 struct EdgeHit {
-  bool inside_image = false;  ///< the point projects into the image
   bool found = false;         ///< an edge above the noise within reach
   float offset_px = 0.0f;     ///< along the outward normal; negative = inside the outline
   float contrast = 0.0f;      ///< grey levels across the edge, outside minus inside
@@ -37,15 +36,18 @@ void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<Loca
 struct ImagePose {
   Eigen::Isometry3d T_camera_centre;
   double residual_px = 0.0;  ///< robust standard deviation of the offsets
-  Matrix6d information =
-      Matrix6d::Zero();  ///< of xi (translation in radii), for unit variance in pixels
-  int used = 0;          ///< points with a weight
+  Matrix6d information = Matrix6d::Zero();  ///< of xi (translation in radii), for unit variance in pixels
+  int used = 0;              ///< points with a weight
+  /// By how much the edges lie inside the outline everywhere (a bevelled cut edge), as this pose alone tells:
+  /// in radii, and its information for unit variance in pixels with the pose unknown, too.
+  double inset = 0.0, inset_information = 0.0;
 };
 
-/// One association and a few Gauss-Newton steps with Tukey weights of width `tukey_px`.
+/// One association and a few damped, re-weighted Gauss-Newton steps with Tukey weights of width `tukey_px`.
+/// Cost: O(points * reach).
 ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
                       const std::vector<LocalPoint>& points, double radius,
                       const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
-                      double tukey_px, double tilt_limit);
+                      double tukey_px);
 
 }  // namespace planar_bin_picking
