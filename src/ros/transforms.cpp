@@ -10,6 +10,16 @@
 
 namespace planar_bin_picking_ros {
 
+namespace {
+
+/// tf2 ends its messages with a stop and a space, and ours go on after it.
+std::string trimmed(std::string message) {
+  message.erase(message.find_last_not_of(". ") + 1);
+  return message;
+}
+
+}  // namespace
+
 LookupResult lookup(const tf2::BufferCore& buffer, const std::string& target,
                     const std::string& source, const ros::Time& stamp,
                     const std::chrono::duration<double> timeout) {
@@ -22,7 +32,7 @@ LookupResult lookup(const tf2::BufferCore& buffer, const std::string& target,
     try {
       return {fromMsg(buffer.lookupTransform(target, source, stamp).transform), ""};
     } catch (const tf2::TransformException& error) {
-      if (std::chrono::steady_clock::now() >= deadline) return {std::nullopt, error.what()};
+      if (std::chrono::steady_clock::now() >= deadline) return {std::nullopt, trimmed(error.what())};
     }
     std::this_thread::sleep_for(kPeriod);
   }
