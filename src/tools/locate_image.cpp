@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <locale>
 #include <map>
@@ -198,7 +199,21 @@ void printTimes(const Report& report, double loading_seconds) {
               1e3 * loading_seconds);
 }
 
+/// Says before the work, not after it, that its result could not be written.
+void checkWritable(const Options& options) {
+  for (const std::string& path : {options.output, options.overlay}) {
+    if (path.empty()) continue;
+    const auto folder = std::filesystem::absolute(path).parent_path();
+    if (std::filesystem::is_directory(folder)) continue;
+    throw std::runtime_error(path + ": cannot be written; there is no folder " + folder.string());
+  }
+  if (!options.overlay.empty() && !cv::haveImageWriter(options.overlay)) {
+    throw std::runtime_error(options.overlay + ": cannot be written; end its name in .png or .jpg");
+  }
+}
+
 void run(const Options& options) {
+  checkWritable(options);
   const auto start = std::chrono::steady_clock::now();
   const Camera camera = loadCamera(options.camera);
   const Locator locator(options.params.empty() ? LocatorParams()
@@ -217,7 +232,7 @@ void run(const Options& options) {
   if (!options.overlay.empty() &&
       !cv::imwrite(options.overlay, drawOverlay(image, camera, request.parts, result.detections))) {
     throw std::runtime_error(options.overlay +
-                             ": cannot be written; check the path, its ending and its permissions");
+                             ": cannot be written; check the path and its permissions");
   }
 }
 

@@ -113,6 +113,7 @@ TEST_F(LoadParams, ReadsBackWhatIsWritten) {
 
 TEST_F(LoadParams, KeepsDefaultsOfWhatIsNotWritten) {
   EXPECT_EQ(valuesOf(load("{}")), valuesOf(LocatorParams()));
+  EXPECT_EQ(valuesOf(load("score:\n  # threshold: 0.7\n")), valuesOf(LocatorParams()));
   std::map<std::string, double> expected = valuesOf(LocatorParams());
   expected["score/threshold"] = 0.625;
   EXPECT_EQ(valuesOf(load("score: {threshold: 0.625}\n")), expected);

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Runs the program itself, as a user does: its exit status, what it prints and what it writes.
+
+#include "support/dxf_writer.h"
+#include "support/temp_dir.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <yaml-cpp/yaml.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+namespace planar_bin_picking {
+namespace {
+
+class LocateImage : public testing::Test {
+ protected:
+  LocateImage() {
+    const std::string package = PACKAGE_DIR, scene = package + "/test/data/bin_bracket_00";
+    part_ = "--part " + package + "/config/parts/bracket.yaml";
+    camera_ = "--camera " + scene + "/camera_info.yaml";
+    image_ = "--image " + scene + "/image.png";
+  }
+
+  /// Runs the program; what it printed is in out_ and error_ afterwards.
+  int run(const std::string& arguments) {
+    const std::string out = dir_.path("out.txt"), error = dir_.path("error.txt");
+    const int status = std::system(
+        (std::string(LOCATE_IMAGE) + " " + arguments + " >" + out + " 2>" + error).c_str());
+    out_ = read(out);
+    error_ = read(error);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  static std::string read(const std::string& path) {
+    std::ifstream file(path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+
+  /// Refused with status 2 and one line that holds all of `words`.
+  testing::AssertionResult refused(const std::string& arguments,
+                                   const std::vector<std::string>& words) {
+    const int status = run(arguments);
+    bool good = status == 2 && out_.empty() && std::count(error_.begin(), error_.end(), '\n') == 1;
+    for (const std::string& word : words) good = good && error_.find(word) != std::string::npos;
+    return (good ? testing::AssertionSuccess() : testing::AssertionFailure())
+           << "status " << status << ", says: " << error_;
+  }
+
+  TempDir dir_;
+  std::string part_, camera_, image_, out_, error_;
+  const std::string distances_ = "--distance-min 0.785 --distance-max 0.98";
+};
+
+TEST_F(LocateImage, WritesTableResultAndOverlay) {
+  const std::string result = dir_.path("result.yaml"), overlay = dir_.path("overlay.png");
+  ASSERT_EQ(run(part_ + " " + camera_ + " " + image_ + " " + distances_ + " --output " + result +
+                " --overlay " + overlay),
+            0)
+      << error_;
+  const YAML::Node root = YAML::LoadFile(result);
+  EXPECT_GT(root["seconds"].as<double>(), 0.0);
+  const double threshold = root["threshold"].as<double>();
+  ASSERT_GT(root["detections"].size(), 0u);
+  double before = 1.0;
+  for (const YAML::Node& detection : root["detections"]) {
+    EXPECT_EQ(detection.size(), 6u);
+    EXPECT_EQ(detection["part"].as<std::string>(), "bracket");
+    const auto face = detection["face"].as<std::string>();
+    EXPECT_TRUE(face == "front" || face == "back") << face;
+    const auto p = detection["position"].as<std::vector<double>>();
+    ASSERT_EQ(p.size(), 3u);
+    EXPECT_GT(p[2], 0.75);
+    EXPECT_LT(p[2], 1.0);
+    double norm2 = 0.0;
+    for (const double q : detection["orientation"].as<std::vector<double>>()) norm2 += q * q;
+    EXPECT_NEAR(norm2, 1.0, 1e-6);
+    EXPECT_GE(detection["score"].as<double>(), threshold);
+    EXPECT_LE(detection["visible_fraction"].as<double>(), 1.0);
+    before = detection["score"].as<double>();
+  }
+  EXPECT_LE(before, 1.0);
+  EXPECT_NE(out_.find("bracket"), std::string::npos);
+  EXPECT_NE(out_.find("locate"), std::string::npos);
+  EXPECT_EQ(cv::imread(overlay).size(), cv::Size(2448, 2048));
+}
+
+TEST_F(LocateImage, FindsNothingInAnEmptyBinAndSaysSo) {
+  const std::string empty = dir_.path("empty.png"), result = dir_.path("result.yaml");
+  cv::imwrite(empty, cv::Mat(2048, 2448, CV_16UC3, cv::Scalar(900, 1000, 1100)));
+  ASSERT_EQ(
+      run(part_ + " " + camera_ + " --image " + empty + " " + distances_ + " --output " + result),
+      0)
+      << error_;
+  EXPECT_TRUE(YAML::LoadFile(result)["detections"].IsSequence());
+  EXPECT_EQ(YAML::LoadFile(result)["detections"].size(), 0u);
+  EXPECT_NE(out_.find("no part found"), std::string::npos);
+}
+
+TEST_F(LocateImage, PrintsItsUsage) {
+  EXPECT_EQ(run("--help"), 0);
+  for (const char* option : {"--part", "--camera", "--image", "--distance-min", "--distance-max",
+                             "--params", "--output", "--overlay"}) {
+    EXPECT_NE(out_.find(option), std::string::npos) << option;
+  }
+}
+
+TEST_F(LocateImage, RefusesWrongArguments) {
+  EXPECT_TRUE(refused("", {"--part is missing"}));
+  EXPECT_TRUE(refused(camera_ + " " + image_ + " " + distances_, {"--part is missing"}));
+  EXPECT_TRUE(refused(part_ + " " + image_ + " " + distances_, {"--camera is missing"}));
+  EXPECT_TRUE(refused(part_ + " " + camera_ + " " + distances_, {"--image is missing"}));
+  EXPECT_TRUE(refused(part_ + " " + camera_ + " " + image_ + " --distance-max 1",
+                      {"--distance-min is missing"}));
+  EXPECT_TRUE(refused("--parts x", {"unknown option", "--parts"}));
+  EXPECT_TRUE(refused("--part", {"--part needs a value"}));
+  EXPECT_TRUE(refused("--distance-min 0,8", {"--distance-min", "0,8", "metres"}));
+  EXPECT_TRUE(refused("--distance-max -1", {"--distance-max", "-1"}));
+  EXPECT_TRUE(refused(part_ + " " + camera_ + " " + image_ + " --distance-min 2 --distance-max 1",
+                      {"--distance-min is greater"}));
+}
+
+TEST_F(LocateImage, RefusesWrongFiles) {
+  const std::string rest = " " + camera_ + " " + image_ + " " + distances_;
+  EXPECT_TRUE(refused("--part none.yaml" + rest, {"none.yaml", "does not exist"}));
+  EXPECT_TRUE(
+      refused("--part " + dir_.write("open.dxf", DxfWriter().line(0, 0, 9, 9).text()) + rest,
+              {"open.dxf", "open contour"}));
+  EXPECT_TRUE(refused(part_ + " " + part_ + rest, {"bracket", "twice"}));
+  const std::string others = part_ + " " + image_ + " " + distances_;
+  EXPECT_TRUE(refused(others + " --camera " + dir_.write("c.yaml", "image_width: 3\n"),
+                      {"c.yaml", "image_height"}));
+  EXPECT_TRUE(refused(part_ + rest + " --params " + dir_.write("p.yaml", "score: {treshold: 1}\n"),
+                      {"p.yaml", "score/treshold"}));
+  const std::string no_image = part_ + " " + camera_ + " " + distances_;
+  EXPECT_TRUE(refused(no_image + " --image " + dir_.write("i.png", "no picture"),
+                      {"i.png", "cannot be read"}));
+  cv::imwrite(dir_.path("small.png"), cv::Mat(20, 30, CV_8U, cv::Scalar(9)));
+  EXPECT_TRUE(refused(no_image + " --image " + dir_.path("small.png"),
+                      {"small.png", "30 x 20", "2448 x 2048"}));
+}
+
+TEST_F(LocateImage, RefusesWhereItCannotWriteBeforeItWorks) {
+  const std::string all = part_ + " " + camera_ + " " + image_ + " " + distances_;
+  EXPECT_TRUE(refused(all + " --output " + dir_.path("no/such/result.yaml"),
+                      {"no/such/result.yaml", "no folder"}));
+  EXPECT_TRUE(
+      refused(all + " --overlay " + dir_.path("no/overlay.png"), {"no/overlay.png", "no folder"}));
+  EXPECT_TRUE(
+      refused(all + " --overlay " + dir_.path("overlay.unknown"), {"overlay.unknown", ".png"}));
+}
+
+}  // namespace
+}  // namespace planar_bin_picking
