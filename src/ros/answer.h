@@ -24,7 +24,7 @@ struct Answer {
   cv::Mat grey;
   planar_bin_picking::Camera camera;
   planar_bin_picking::LocateResult result;
-  std_msgs::Header header;  ///< stamp of the image, target frame
+  std_msgs::Header header;                               ///< stamp of the image, target frame
   std::vector<planar_bin_picking::LocatedPart> located;  ///< best first
 };
 

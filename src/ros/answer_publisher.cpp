@@ -6,8 +6,8 @@
 #include "names.h"
 #include "planar_bin_picking/overlay.h"
 
-#include <planar_bin_picking/LocatedParts.h>
 #include <cv_bridge/cv_bridge.h>
+#include <planar_bin_picking/LocatedParts.h>
 #include <ros/callback_queue_interface.h>
 #include <sensor_msgs/image_encodings.h>
 #include <boost/make_shared.hpp>
@@ -74,11 +74,11 @@ sensor_msgs::ImageConstPtr AnswerPublisher::overlayOfLatest() {
     latest = latest_;
   }
   if (latest == drawn_) return picture_;
-  const cv::Mat picture = planar_bin_picking::drawOverlay(latest->grey, latest->camera, latest->parts,
-                                                          latest->result.detections);
-  picture_ = cv_bridge::CvImage(latest->frame.image->header, sensor_msgs::image_encodings::BGR8,
-                                picture)
-                 .toImageMsg();
+  const cv::Mat picture = planar_bin_picking::drawOverlay(latest->grey, latest->camera,
+                                                          latest->parts, latest->result.detections);
+  picture_ =
+      cv_bridge::CvImage(latest->frame.image->header, sensor_msgs::image_encodings::BGR8, picture)
+          .toImageMsg();
   drawn_ = latest;
   return picture_;
 }

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Publishes the latest answer: tf frames, the latched list and markers, and the overlay image, which
-/// is drawn only for those who look at it, also when they come after the call, and never while a
-/// caller waits.
+/// Publishes the latest answer: tf frames, the latched list and markers, and the overlay image,
+/// which is drawn only for those who look at it, also when they come after the call, and never
+/// while a caller waits.
 
 #include "answer.h"
 #include "part_frames.h"

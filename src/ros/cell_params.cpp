@@ -26,7 +26,8 @@ void validateBox(const CellParams& params) {
 }  // namespace
 
 void validate(const CellParams& params) {
-  require(!params.parts_folder.empty(), "~cell/parts_folder is not set: the folder with the drawings");
+  require(!params.parts_folder.empty(),
+          "~cell/parts_folder is not set: the folder with the drawings");
   const bool has_distances = params.distance_min != 0.0 || params.distance_max != 0.0;
   require(has_distances != params.hasBin(),
           "set either ~cell/distance_min and ~cell/distance_max, or ~cell/bin_frame with "

@@ -11,13 +11,13 @@
 namespace planar_bin_picking_ros {
 
 struct CellParams {
-  std::string parts_folder;   ///< *.yaml and *.dxf in it are the parts
-  std::string target_frame;   ///< frame of the answers; "" = the camera's
-  std::string frame_prefix;   ///< in front of the parts' tf frames, where two cameras see one part
+  std::string parts_folder;  ///< *.yaml and *.dxf in it are the parts
+  std::string target_frame;  ///< frame of the answers; "" = the camera's
+  std::string frame_prefix;  ///< in front of the parts' tf frames, where two cameras see one part
   /// Where parts may lie, along the optical axis, metres: from the top of a full bin to its floor.
   double distance_min = 0.0, distance_max = 0.0;
-  /// Or, in place of these, the bin's inner space as a box: its frame and two opposite corners in it,
-  /// metres. The distances then follow the camera.
+  /// Or, in place of these, the bin's inner space as a box: its frame and two opposite corners in
+  /// it, metres. The distances then follow the camera.
   std::string bin_frame;
   std::vector<double> bin_min, bin_max;
   double image_timeout = 5.0;  ///< s, wall time, for calls that name none
@@ -41,7 +41,8 @@ struct CellParams {
   }
 };
 
-/// @throws std::invalid_argument  naming the keys: no folder, neither distances nor a bin or both of
+/// @throws std::invalid_argument  naming the keys: no folder, neither distances nor a bin or both
+/// of
 ///         them, an empty range or box
 void validate(const CellParams& params);
 

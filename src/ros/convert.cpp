@@ -27,7 +27,8 @@ Eigen::Isometry3d isometry(const Vector& t, const geometry_msgs::Quaternion& q) 
 }
 
 bool fits(const PickPose& pick, const Face face) {
-  return pick.face == FaceFilter::kAny || (pick.face == FaceFilter::kFront) == (face == Face::kFront);
+  return pick.face == FaceFilter::kAny ||
+         (pick.face == FaceFilter::kFront) == (face == Face::kFront);
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 #include "convert.h"
 #include "refusal.h"
 
-#include <planar_bin_picking/LocatePart.h>
 #include <cv_bridge/cv_bridge.h>
+#include <planar_bin_picking/LocatePart.h>
 #include <sensor_msgs/image_encodings.h>
 
 #include <opencv2/imgproc.hpp>
@@ -96,8 +96,9 @@ cv::Mat toGrey(const sensor_msgs::ImageConstPtr& image) {
 
 Camera toCamera(const sensor_msgs::CameraInfo& info, const sensor_msgs::Image& image) {
   if (info.K[0] == 0.0) {
-    refuseInfo("K is zero, the camera is not calibrated; calibrate it and let its driver load the "
-               "result (camera_info_url)");
+    refuseInfo(
+        "K is zero, the camera is not calibrated; calibrate it and let its driver load the "
+        "result (camera_info_url)");
   }
   const std::uint32_t bin_x = std::max(1u, info.binning_x), bin_y = std::max(1u, info.binning_y);
   const bool has_roi = info.roi.width != 0 && info.roi.height != 0;

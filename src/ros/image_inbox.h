@@ -25,8 +25,8 @@ struct Frame {
   SteadyTime received;  ///< when it came in
 };
 
-/// The image that a call accepts. Both limits hold: a stamp alone could lie (a bag that starts over),
-/// the moment of reception alone could accept an image that was long under way.
+/// The image that a call accepts. Both limits hold: a stamp alone could lie (a bag that starts
+/// over), the moment of reception alone could accept an image that was long under way.
 struct FrameWish {
   ros::Time not_before;       ///< oldest stamp
   SteadyTime received_after;  ///< default: whenever it came
@@ -41,7 +41,7 @@ class ImageInbox {
   /// @return  nothing at the deadline or once closed
   std::optional<Frame> wait(const FrameWish& wish, SteadyTime deadline);
 
-  std::size_t count() const;          ///< images so far
+  std::size_t count() const;  ///< images so far
   std::optional<Frame> newest() const;
 
   /// Ends all waiting, now and later.

@@ -27,8 +27,9 @@ void checkClock(const Frame& frame) {
   const double lead = (frame.image->header.stamp - ros::Time::now()).toSec();
   // Simulated time comes in steps, and images may well be ahead of the last one.
   if (ros::Time::isSimTime() || lead <= kLargestLead) return;
-  throw Refusal(Status::BAD_IMAGE, "image: its stamp lies " + seconds(lead) +
-                                       " in the future; synchronize the clocks of camera and computer");
+  throw Refusal(Status::BAD_IMAGE,
+                "image: its stamp lies " + seconds(lead) +
+                    " in the future; synchronize the clocks of camera and computer");
 }
 
 }  // namespace
@@ -42,8 +43,8 @@ Frame ImageSource::await(const ros::Time& not_before, const ros::Duration& timeo
   if (not_before.isZero()) wish = {ros::Time::now(), now};
   const auto frame = inbox_.wait(wish, now + std::chrono::nanoseconds(timeout.toNSec()));
   if (!frame) {
-    throw Refusal(Status::NO_IMAGE, "no image that is new enough within " + seconds(timeout.toSec()) +
-                                        ": " + whyNone(wish.not_before));
+    throw Refusal(Status::NO_IMAGE, "no image that is new enough within " +
+                                        seconds(timeout.toSec()) + ": " + whyNone(wish.not_before));
   }
   checkClock(*frame);
   return *frame;
@@ -52,14 +53,16 @@ Frame ImageSource::await(const ros::Time& not_before, const ros::Duration& timeo
 std::string ImageSource::whyNone(const ros::Time& not_before) const {
   const std::string topic = camera_.getTopic();
   if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
-    return "use_sim_time is set, but no /clock comes in; start the bag or the simulator, or unset it";
+    return "use_sim_time is set, but no /clock comes in; start the bag or the simulator, or unset "
+           "it";
   }
   const auto newest = inbox_.newest();
   if (newest) {
     const double age = (not_before - newest->image->header.stamp).toSec();
     return "of " + std::to_string(inbox_.count()) + " images on " + topic +
            " the newest was taken " + seconds(age) +
-           " too early; check that the camera runs, its trigger, and that its clock and this one agree";
+           " too early; check that the camera runs, its trigger, and that its clock and this one "
+           "agree";
   }
   if (camera_.getNumPublishers() == 0) {
     return "nobody publishes " + topic + "; start the camera's driver or remap the topic";

@@ -3,8 +3,8 @@
 #pragma once
 
 /// The camera as a call sees it: one image that is new enough, or the reason why there is none.
-/// Always subscribed, since a robot may ask for an image that has already come; an image that nobody
-/// waits for costs a pointer.
+/// Always subscribed, since a robot may ask for an image that has already come; an image that
+/// nobody waits for costs a pointer.
 
 #include "image_inbox.h"
 

@@ -57,7 +57,8 @@ class Reader {
   void finish() const {
     if (values_.empty()) return;
     std::string keys;
-    for (const auto& [key, value] : values_) keys += (keys.empty() ? "~" : ", ~") + name_ + "/" + key;
+    for (const auto& [key, value] : values_)
+      keys += (keys.empty() ? "~" : ", ~") + name_ + "/" + key;
     throw std::invalid_argument("unknown parameter " + keys + "; check its spelling and its place");
   }
 

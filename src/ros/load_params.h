@@ -19,7 +19,8 @@ namespace planar_bin_picking_ros {
 XmlRpc::XmlRpcValue readTree(const ros::NodeHandle& pnh, const std::string& name);
 
 /// @param tree  as readTree returns it
-/// @throws std::invalid_argument  unknown key, wrong type or value out of range: key, value, allowed
+/// @throws std::invalid_argument  unknown key, wrong type or value out of range: key, value,
+/// allowed
 planar_bin_picking::LocatorParams loadLocatorParams(const XmlRpc::XmlRpcValue& tree);
 CellParams loadCellParams(const XmlRpc::XmlRpcValue& tree);
 

@@ -31,16 +31,19 @@ ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
 FaceFilter faceFilter(const std::uint8_t face) {
   using Request = planar_bin_picking::LocatePart::Request;
   switch (face) {
-    case Request::ANY: return FaceFilter::kAny;
-    case Request::FRONT: return FaceFilter::kFront;
-    case Request::BACK: return FaceFilter::kBack;
+    case Request::ANY:
+      return FaceFilter::kAny;
+    case Request::FRONT:
+      return FaceFilter::kFront;
+    case Request::BACK:
+      return FaceFilter::kBack;
   }
   throw Refusal(planar_bin_picking::LocatePart::Response::BAD_REQUEST,
                 "face is " + std::to_string(face) + "; it must be ANY (0), FRONT (1) or BACK (2)");
 }
 
 std::string text(const char* format, const double a, const double b = 0.0, const double c = 0.0) {
-  char buffer[160];
+  char buffer[300];
   std::snprintf(buffer, sizeof buffer, format, a, b, c);
   return buffer;
 }
@@ -92,7 +95,8 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
   service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
   image_spinner_.start();
   call_spinner_.start();
-  ROS_INFO_STREAM("ready: images from " << source_.topic() << ", calls on " << service_.getService());
+  ROS_INFO_STREAM("ready: images from " << source_.topic() << ", calls on "
+                                        << service_.getService());
 }
 
 LocatorRos::~LocatorRos() {
@@ -126,7 +130,8 @@ void LocatorRos::answer(const Request& request, Response& response) {
   watch.lap("wait");
 
   const std_msgs::Header& image = frame.image->header;
-  Answer answer{parts, frame, toGrey(frame.image), toCamera(*frame.info, *frame.image), {}, image, {}};
+  Answer answer{parts, frame, toGrey(frame.image), toCamera(*frame.info, *frame.image), {},
+                image, {}};
   watch.lap("convert");
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
@@ -150,16 +155,19 @@ void LocatorRos::answer(const Request& request, Response& response) {
   watch.lap("publish");
   response.status = count > 0 ? Response::OK : Response::NO_PART_FOUND;
   response.message =
-      count > 0 ? std::to_string(count) + " located"
-                : text("nothing scored %.2f or more between %.3f and %.3f m from the camera; if there "
-                       "are parts, look at ~overlay, check light, focus and these distances",
-                       locator_.params().score.threshold, locate_request.distance_min,
-                       locate_request.distance_max);
+      count > 0
+          ? std::to_string(count) + " located"
+          : text(
+                "nothing scored %.2f or more between %.3f and %.3f m from the camera; if there "
+                "are parts, look at ~overlay, check light, focus and these distances",
+                locator_.params().score.threshold, locate_request.distance_min,
+                locate_request.distance_max);
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {
   if (request.timeout < ros::Duration(0)) {
-    throw Refusal(Response::BAD_REQUEST, "timeout is negative; zero means the cell's image_timeout");
+    throw Refusal(Response::BAD_REQUEST,
+                  "timeout is negative; zero means the cell's image_timeout");
   }
   return source_.await(request.not_before, request.timeout.isZero()
                                                ? ros::Duration(cell_.image_timeout)
@@ -173,8 +181,9 @@ Eigen::Isometry3d LocatorRos::transform(const std::string& target, const std::st
       lookup(tf_buffer_, target, source, stamp, std::chrono::duration<double>(cell_.tf_timeout));
   if (!found.T_target_source) {
     throw Refusal(Response::NO_TRANSFORM,
-                  "no transform from " + source + " to " + target + " at the image's stamp: " +
-                      found.reason + "; check that the robot publishes tf and the hand-eye calibration");
+                  "no transform from " + source + " to " + target +
+                      " at the image's stamp: " + found.reason +
+                      "; check that the robot publishes tf and the hand-eye calibration");
   }
   return *found.T_target_source;
 }

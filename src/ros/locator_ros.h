@@ -6,8 +6,8 @@
 /// nodelet and the node are two shells around it.
 ///
 /// Calls wait and compute in threads of their own, beside the one that takes in images, so that a
-/// waiting call keeps neither an image nor another call from coming in, however few worker threads a
-/// nodelet manager has.
+/// waiting call keeps neither an image nor another call from coming in, however few worker threads
+/// a nodelet manager has.
 
 #include "answer_publisher.h"
 #include "cell_params.h"

@@ -9,8 +9,8 @@
 /// cannot forget a frame; such frames are moved below a parent that hangs on nothing
 /// (kNotLocatedFrame), so that a look-up fails instead of answering with an old pose.
 
-#include <planar_bin_picking/LocatedPart.h>
 #include <geometry_msgs/TransformStamped.h>
+#include <planar_bin_picking/LocatedPart.h>
 
 #include <map>
 #include <string>

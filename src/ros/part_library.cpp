@@ -28,6 +28,10 @@ std::string extension(const fs::path& path) {
   return text;
 }
 
+bool isYaml(const fs::path& path) {
+  return extension(path) == ".yaml" || extension(path) == ".yml";
+}
+
 /// The drawing that a part's yaml names. A yaml that cannot be read claims none: loading the part
 /// itself reports what is wrong with it.
 fs::path claimedDrawing(const fs::path& yaml) {
@@ -43,7 +47,7 @@ fs::path claimedDrawing(const fs::path& yaml) {
 std::map<std::string, fs::path> findParts(const fs::path& folder) {
   std::vector<fs::path> yamls, drawings;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (extension(entry.path()) == ".yaml") yamls.push_back(entry.path());
+    if (isYaml(entry.path())) yamls.push_back(entry.path());
     if (extension(entry.path()) == ".dxf") drawings.push_back(entry.path());
   }
   std::map<std::string, fs::path> files;
@@ -53,7 +57,8 @@ std::map<std::string, fs::path> findParts(const fs::path& folder) {
     claimed.insert(claimedDrawing(yaml));
   }
   for (const auto& drawing : drawings) {
-    if (claimed.count(drawing.lexically_normal()) == 0) files.emplace(drawing.stem().string(), drawing);
+    if (claimed.count(drawing.lexically_normal()) == 0)
+      files.emplace(drawing.stem().string(), drawing);
   }
   return files;
 }
@@ -94,7 +99,8 @@ std::vector<PartPtr> PartLibrary::select(const std::string& name) const {
   std::vector<PartPtr> selected;
   if (name.empty()) {
     for (const auto& entry : parts_) selected.push_back(entry.second);
-    if (selected.empty()) refuse("none of the parts in " + folder_ + " could be loaded: " + names(errors_));
+    if (selected.empty())
+      refuse("none of the parts in " + folder_ + " could be loaded: " + names(errors_));
     return selected;
   }
   const auto found = parts_.find(name);

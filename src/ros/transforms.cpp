@@ -32,7 +32,8 @@ LookupResult lookup(const tf2::BufferCore& buffer, const std::string& target,
     try {
       return {fromMsg(buffer.lookupTransform(target, source, stamp).transform), ""};
     } catch (const tf2::TransformException& error) {
-      if (std::chrono::steady_clock::now() >= deadline) return {std::nullopt, trimmed(error.what())};
+      if (std::chrono::steady_clock::now() >= deadline)
+        return {std::nullopt, trimmed(error.what())};
     }
     std::this_thread::sleep_for(kPeriod);
   }

@@ -37,8 +37,8 @@ TEST(BinRange, ObliqueReachesFurther) {
 }
 
 TEST(BinRange, RefusesBinBehindCamera) {
-  EXPECT_TRUE(planar_bin_picking::refuses(
-      [] { distanceRange(cell(), lookingDown(0.1, 0.0)); }, {"behind", "bin_frame"}));
+  EXPECT_TRUE(planar_bin_picking::refuses([] { distanceRange(cell(), lookingDown(0.1, 0.0)); },
+                                          {"behind", "bin_frame"}));
 }
 
 }  // namespace

@@ -41,8 +41,8 @@ TEST(Config, LocatorYamlEqualsDefaults) {
 TEST(Config, LocatorYamlListsEveryKey) {
   std::set<std::string> fields;
   const LocatorParams params;
-  planar_bin_picking::forEachField(
-      params, [&](const std::string& key, auto&&...) { fields.insert(key); });
+  planar_bin_picking::forEachField(params,
+                                   [&](const std::string& key, auto&&...) { fields.insert(key); });
   EXPECT_EQ(keysOf(YAML::LoadFile(kConfig + "locator.yaml")), fields);
 }
 

@@ -5,8 +5,8 @@
 #include "refusal.h"
 #include "support/matchers.h"
 
-#include <planar_bin_picking/LocatePart.h>
 #include <gtest/gtest.h>
+#include <planar_bin_picking/LocatePart.h>
 #include <sensor_msgs/fill_image.h>
 #include <sensor_msgs/image_encodings.h>
 

@@ -69,7 +69,8 @@ TEST(ImageInbox, EndsAtItsDeadline) {
 
 TEST(ImageInbox, CloseEndsWaiting) {
   ImageInbox inbox;
-  std::thread waiter([&] { EXPECT_FALSE(inbox.wait(from(0.0), steady_clock::now() + seconds(30))); });
+  std::thread waiter(
+      [&] { EXPECT_FALSE(inbox.wait(from(0.0), steady_clock::now() + seconds(30))); });
   const auto start = steady_clock::now();
   inbox.close();
   waiter.join();

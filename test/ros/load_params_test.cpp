@@ -75,8 +75,10 @@ TEST(LoadLocatorParams, RefusesByName) {
   type["threads"] = "two";
   place["threshold"] = 0.5;
   EXPECT_TRUE(refuses([&] { loadLocatorParams(typo); }, {"~locator/score/treshold", "unknown"}));
-  EXPECT_TRUE(refuses([&] { loadLocatorParams(range); }, {"~locator/score/threshold", "1.5", "0 .. 1"}));
-  EXPECT_TRUE(refuses([&] { loadLocatorParams(type); }, {"~locator/threads", "two", "whole number"}));
+  EXPECT_TRUE(
+      refuses([&] { loadLocatorParams(range); }, {"~locator/score/threshold", "1.5", "0 .. 1"}));
+  EXPECT_TRUE(
+      refuses([&] { loadLocatorParams(type); }, {"~locator/threads", "two", "whole number"}));
   EXPECT_TRUE(refuses([&] { loadLocatorParams(place); }, {"~locator/threshold", "unknown"}));
   EXPECT_TRUE(refuses([&] { loadLocatorParams(XmlRpcValue(3)); }, {"~locator"}));
 }

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The tester of all rostests: calls a locator and compares its answer with what its parameters say.
-/// Choose the cases with --gtest_filter; everything waits with a deadline. Parameters, all private:
+/// The tester of all rostests: calls a locator and compares its answer with what its parameters
+/// say. Choose the cases with --gtest_filter; everything waits with a deadline. Parameters, all
+/// private:
 ///   service            what to call
 ///   part, face, timeout, max_parts   of the request
 ///   callers            how many call at once
@@ -16,9 +17,9 @@
 #include "support/matchers.h"
 #include "truth.h"
 
+#include <gtest/gtest.h>
 #include <planar_bin_picking/LocatePart.h>
 #include <planar_bin_picking/LocatedParts.h>
-#include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <ros/topic.h>
 #include <sensor_msgs/Image.h>
@@ -107,7 +108,8 @@ class Locate : public testing::Test {
   static const LocatePart::Response& response() { return calls_.back().response; }
 
   /// T_target_source at any time, or nothing at the deadline.
-  static std::optional<Eigen::Isometry3d> lookup(const std::string& target, const std::string& source,
+  static std::optional<Eigen::Isometry3d> lookup(const std::string& target,
+                                                 const std::string& source,
                                                  const ros::Time& stamp) {
     const auto deadline = steady_clock::now() + kDeadline;
     while (!buffer_->canTransform(target, source, stamp)) {

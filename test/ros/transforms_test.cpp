@@ -24,8 +24,7 @@ void set(tf2::BufferCore& buffer, const double time, const double x) {
   message.header.frame_id = "base";
   message.header.stamp = ros::Time(time);
   message.child_frame_id = "camera";
-  message.transform =
-      toTransformMsg(Eigen::Isometry3d(Eigen::Translation3d(x, 0.0, 1.0)));
+  message.transform = toTransformMsg(Eigen::Isometry3d(Eigen::Translation3d(x, 0.0, 1.0)));
   buffer.setTransform(message, "test");
 }
 

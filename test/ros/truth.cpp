@@ -53,9 +53,8 @@ int Truth::pickable() const {
 }
 
 int Truth::pickableTaken() const {
-  return static_cast<int>(std::count_if(instances_.begin(), instances_.end(), [](const Instance& i) {
-    return i.pickable() && i.taken;
-  }));
+  return static_cast<int>(std::count_if(instances_.begin(), instances_.end(),
+                                        [](const Instance& i) { return i.pickable() && i.taken; }));
 }
 
 }  // namespace planar_bin_picking_ros
