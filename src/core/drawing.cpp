@@ -222,6 +222,18 @@ void checkSize(const std::vector<Contour>& contours) {
   throw std::runtime_error(text.str());
 }
 
+/// A print beside the part is none: a title, or another part's.
+void checkOnPart(const Contour& print, const Loop& outer) {
+  constexpr double kMarginMm = 1.0;  // half a stroke may hang over
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& p : outer.points) box.extend(p);
+  for (const Eigen::Vector2d& p : print.points) {
+    if (box.exteriorDistance(p) <= kMarginMm) continue;
+    throw std::runtime_error("the print with " + nameOf(print) + " " + boxText(print) +
+                             " is not on the part. List its layer in skip_layers");
+  }
+}
+
 Drawing assemble(const DxfFile& file, const DrawingParams& params) {
   Selection selection(file, params);
   selection.run();
@@ -236,6 +248,7 @@ Drawing assemble(const DxfFile& file, const DrawingParams& params) {
   for (Contour& print :
        chainAny(withoutDuplicates(std::move(selection.prints), tolerance), tolerance)) {
     dropRepeated(&print);
+    checkOnPart(print, drawing.loops.front());
     drawing.loops.push_back({LoopKind::kPrint, print.closed, std::move(print.points)});
   }
   for (Loop& loop : drawing.loops) {

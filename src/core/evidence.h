@@ -10,13 +10,14 @@
 namespace planar_bin_picking {
 
 /// How well one outline point is borne out by the edge it found: Eq. (12)'s |cos|, less with distance.
+/// What is mere noise counts nothing.
 inline double supportOf(const EdgeHit& hit, double reach_px) {
   if (!hit.found) return 0.0;
   const double off = hit.offset_px / reach_px;
   return std::max(0.0, 1.0 - off * off) * hit.cosine;
 }
 
-/// Mean support of the points that lie in the image; Psi of Eq. (12), but what is mere noise counts nothing.
+/// Mean support: Psi of Eq. (12) with the above.
 inline double meanSupport(const std::vector<EdgeHit>& hits, double reach_px) {
   double sum = 0.0;
   for (const auto& hit : hits) sum += supportOf(hit, reach_px);

@@ -7,7 +7,9 @@
 namespace planar_bin_picking {
 namespace {
 
-/// Coarse mask of a posed part in the ideal image plane: cells of its material.
+constexpr int kStride = 4;  // of the outline's samples: overlap needs no fine polygon
+
+/// Coarse mask of a posed part in the ideal image plane.
 struct Mask {
   Eigen::AlignedBox2d box;
   std::vector<Eigen::Vector2d> outer;
@@ -16,8 +18,9 @@ struct Mask {
 Mask maskOf(const PartModel& part, const ScoredPose& pose) {
   Mask mask;
   const double z = part.faceZ(pose.face);
+  int k = 0;
   for (const auto& p : part.outline()) {
-    if (p.kind != LoopKind::kOuter) continue;
+    if (p.kind != LoopKind::kOuter || k++ % kStride != 0) continue;
     const Eigen::Vector3d q = pose.T_camera_part * Eigen::Vector3d(p.position.x(), p.position.y(), z);
     mask.outer.push_back(q.hnormalized());
     mask.box.extend(mask.outer.back());
@@ -64,8 +67,10 @@ std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
   for (const auto& s : scored) {
     if (s.score >= score_min) order.push_back(&s);
   }
-  std::stable_sort(order.begin(), order.end(), [](const ScoredPose* a, const ScoredPose* b) {
-    return a->score > b->score;
+  // What lies free is picked first: a covered part may score high on what is left of it.
+  const auto merit = [](const ScoredPose* s) { return s->score * s->visible_fraction * s->visible_fraction; };
+  std::stable_sort(order.begin(), order.end(), [&](const ScoredPose* a, const ScoredPose* b) {
+    return merit(a) > merit(b);
   });
   std::vector<Detection> out;
   std::vector<Mask> masks;

@@ -19,6 +19,7 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr ImageReach kNarrow{4, 3, 1.0};
+constexpr double kTiltUnsure = 0.03;  // a lead in support that decides nothing about the tilt's sign
 
 /// A pose on its way through the levels, with its support at the last one.
 struct Tracked {
@@ -27,6 +28,9 @@ struct Tracked {
   Eigen::Isometry3d T_camera_part;
   double support;
   ImagePose image;
+  /// The same, tilted the other way, where the image cannot tell (else as T_camera_part).
+  Eigen::Isometry3d T_camera_twin = Eigen::Isometry3d::Identity();
+  bool ambiguous = false;
 };
 
 /// What the levels need of a part, made once per call.
@@ -157,6 +161,38 @@ class Refiner {
     return sum / weight;
   }
 
+  /// Parts rest on one another and on one floor: where the image cannot tell the tilt's sign, the one
+  /// nearer to the way most parts lie is taken.
+  void settleTilts(std::vector<Tracked>* poses) const {
+    constexpr double kAlike = 0.2;  // about 12 degrees
+    const auto up = [](const Eigen::Isometry3d& T) -> Eigen::Vector3d {
+      return T.linear().col(2) * (T.linear()(2, 2) > 0.0 ? -1.0 : 1.0);
+    };
+    Eigen::Vector3d common = Eigen::Vector3d::Zero();
+    double most = 0.0;
+    for (const auto& p : *poses) {
+      const Eigen::Vector3d n = up(p.T_camera_part);
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      double weight = 0.0;
+      for (const auto& o : *poses) {
+        const double w = o.support * (o.ambiguous ? 0.3 : 1.0);
+        if ((up(o.T_camera_part) - n).norm() > kAlike) continue;
+        weight += w;
+        sum += w * up(o.T_camera_part);
+      }
+      if (weight > most) {
+        most = weight;
+        common = sum.normalized();
+      }
+    }
+    for (auto& p : *poses) {
+      if (!p.ambiguous) continue;
+      const double here = (up(p.T_camera_part) - common).norm();
+      const double twin = (up(p.T_camera_twin) - common).norm();
+      if (twin < 0.6 * here) std::swap(p.T_camera_part, p.T_camera_twin);
+    }
+  }
+
   void setInset(std::size_t part, double inset) {
     for (auto* points : {&outlines_[part].wide, &outlines_[part].fine}) {
       for (auto& p : *points) {
@@ -217,7 +253,12 @@ class Refiner {
     alignWide(&*twin);
     if (twin->support < pose->support - 0.1) return;
     alignNarrow(&*twin);
-    if (twin->support > pose->support) *pose = *twin;
+    const double gain = twin->support - pose->support;
+    const bool apart = (twin->T_camera_part.linear().col(2) - pose->T_camera_part.linear().col(2)).norm() > 0.05;
+    twin->T_camera_twin = pose->T_camera_part;
+    pose->T_camera_twin = twin->T_camera_part;
+    twin->ambiguous = pose->ambiguous = apart && std::abs(gain) < kTiltUnsure;
+    if (gain > 0.0) *pose = *twin;
   }
 
   void resolveShape(Tracked* pose) const {
@@ -346,6 +387,7 @@ std::vector<RefinedPose> refineCandidates(
     refiner.resolve(p);
   });
   poses = refiner.withoutTwins(std::move(poses), 0.02, params.search_support_min, params.max_poses);
+  refiner.settleTilts(&poses);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const double inset = refiner.jointInset(poses, k);
     refiner.setInset(k, inset);

@@ -2,40 +2,76 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/score.h"
 
+#include "evidence.h"
 #include "outline_view.h"
 #include "parallel.h"
-#include "refine_image.h"
 
+#include <array>
 #include <cmath>
 
 namespace planar_bin_picking {
+namespace {
+
+constexpr ImageReach kReach{3, 3, 1.0};
+
+/// The outline's points by kind, in order along the loops.
+struct Groups {
+  std::array<std::vector<LocalPoint>, 3> points;  // by LoopKind
+};
+
+Groups groupsOf(const PartModel& part, int count) {
+  Groups out;
+  for (const auto kind : {LoopKind::kOuter, LoopKind::kHole, LoopKind::kPrint}) {
+    out.points[static_cast<int>(kind)] =
+        localPoints(part, count, [kind](const OutlinePoint& p) { return p.kind == kind; });
+  }
+  return out;
+}
+
+/// Share of the outer contour that is seen, faint stretches bridged: an estimate of the share of the
+/// face that nothing covers. (Cutting off what lies beyond the chord of each gap, the obvious
+/// alternative, is further from the truth: most covers lie across a part, not over a corner of it.)
+double visibleFraction(const std::vector<EdgeHit>& hits, const ScoreParams& params) {
+  const int n = static_cast<int>(hits.size());
+  const int half = std::max(1, static_cast<int>(std::lround(0.5 * params.gap_min * n)));
+  const auto borne = [&](int i) {
+    return supportOf(hits[(i + n) % n], params.visible_reach_px) > 0.3 ? 1 : 0;
+  };
+  int window = 0, seen = 0;
+  for (int i = -half; i <= half; ++i) window += borne(i);
+  for (int i = 0; i < n; ++i) {
+    seen += window > params.gap_share * (2 * half + 1) ? 1 : 0;
+    window += borne(i + half + 1) - borne(i - half);
+  }
+  return static_cast<double>(seen) / n;
+}
+
+}  // namespace
 
 std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
                                    const std::vector<std::shared_ptr<const PartModel>>& parts,
                                    const std::vector<RefinedPose>& refined,
                                    const ScoreParams& params, int threads) {
-  std::vector<std::vector<LocalPoint>> points;
-  for (const auto& part : parts) {
-    points.push_back(localPoints(*part, params.points,
-                                 [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; }));
-  }
+  std::vector<Groups> groups;
+  for (const auto& part : parts) groups.push_back(groupsOf(*part, params.points));
   std::vector<ScoredPose> out(refined.size());
   parallelFor(static_cast<int>(refined.size()), threads, [&](int i) {
     const RefinedPose& r = refined[i];
-    ScoredPose& s = out[i];
-    static_cast<RefinedPose&>(s) = r;
     const auto& part = *parts[r.part];
-    std::vector<EdgeHit> hits;
-    findHits(edges, camera, points[r.part], part.radius(), r.T_camera_part * centreOf(part, r.face),
-             {3, 3, 1.0}, &hits);
+    static_cast<RefinedPose&>(out[i]) = r;
+    const Eigen::Isometry3d T = r.T_camera_part * centreOf(part, r.face);
     double sum = 0.0;
-    for (const auto& h : hits) {
-      if (!h.found) continue;
-      const double e = 1.0 - std::pow(h.offset_px / 3.0, 2);
-      sum += std::max(0.0, e) * h.cosine;
+    int count = 0;
+    for (const auto kind : {LoopKind::kOuter, LoopKind::kHole, LoopKind::kPrint}) {
+      const auto& points = groups[r.part].points[static_cast<int>(kind)];
+      if (points.empty() || (kind == LoopKind::kPrint && r.face == Face::kBack)) continue;
+      std::vector<EdgeHit> hits;
+      findHits(edges, camera, points, part.radius(), T, kReach, &hits);
+      sum += meanSupport(hits, params.reach_px);
+      ++count;
+      if (kind == LoopKind::kOuter) out[i].visible_fraction = visibleFraction(hits, params);
     }
-    s.score = sum / hits.size();
-    s.visible_fraction = s.score;
+    out[i].score = sum / count;
   });
   return out;
 }

@@ -49,12 +49,14 @@ class LineIndex {
   Eigen::Vector2i cellOf(const Eigen::Vector2d& p) const {
     return (p / cell_).array().floor().matrix().cast<int>();
   }
-  static std::int64_t keyOf(const Eigen::Vector2i& cell) {
-    return (static_cast<std::int64_t>(cell.y()) << 32) ^ static_cast<std::uint32_t>(cell.x());
+  static std::uint64_t keyOf(const Eigen::Vector2i& cell) {
+    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell.y())) << 32) |
+           static_cast<std::uint32_t>(cell.x());
   }
 
   double tolerance_, cell_;
-  std::unordered_map<std::int64_t, std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>>> cells_;
+  std::unordered_map<std::uint64_t, std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>>>
+      cells_;
 };
 
 /// Loops about a centre: their lines for asking, points on them for mapping.
