@@ -3,6 +3,7 @@
 #include "planar_bin_picking/locator.h"
 
 #include <chrono>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -35,7 +36,10 @@ void check(const cv::Mat& image, const Camera& camera, const LocateRequest& requ
     refuse("the image has " + std::to_string(image.channels()) + " channels of depth " +
            std::to_string(image.depth()) + "; give one channel of 8 or 16 bit");
   }
-  if (image.cols != camera.model().width || image.rows != camera.model().height) {
+  // A driver may add or drop a column or two at the far edge; more is another camera or another size.
+  constexpr int kSlack = 2;
+  if (std::abs(image.cols - camera.model().width) > kSlack ||
+      std::abs(image.rows - camera.model().height) > kSlack) {
     refuse("the image is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
            ", the camera info " + std::to_string(camera.model().width) + " x " +
            std::to_string(camera.model().height) + "; they must be of one size");

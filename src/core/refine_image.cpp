@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "refine_image.h"
 
+#include "posed_point.h"
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -14,34 +16,6 @@ namespace {
 constexpr int kTaps = 3;       // of the derivative filter on either side
 constexpr int kMaxReach = 16;
 constexpr double kNoiseFactor = 4.0;  // an edge on a profile is this far above the noise
-
-/// A point in the image, its outward normal there and what a step of the pose does along it.
-struct Posed {
-  Eigen::Vector2d pixel, normal;
-  Eigen::Vector3d g_local;  // d(normal . pixel) / d(point), part axes, point in radii
-  double out_px;            // pixels along the normal for a radius out of the material
-};
-
-bool poseOf(const Camera& camera, const LocalPoint& p, double radius, const Eigen::Isometry3d& T,
-            Posed* out) {
-  const Eigen::Vector3d x = T.linear().col(0), y = T.linear().col(1);
-  const Eigen::Vector3d q = T.translation() + radius * (p.x * x + p.y * y);
-  if (q.z() <= 1e-6) return false;
-  const double inv_z = 1.0 / q.z(), u = q.x() * inv_z, v = q.y() * inv_z;
-  Eigen::Matrix2d lens;
-  out->pixel = camera.distort({u, v}, &lens);
-  const Eigen::Vector3d along = p.tx * x + p.ty * y, out_of = p.ty * x - p.tx * y;
-  const Eigen::Vector2d t = lens * Eigen::Vector2d(along.x() - u * along.z(), along.y() - v * along.z());
-  const Eigen::Vector2d o = lens * Eigen::Vector2d(out_of.x() - u * out_of.z(), out_of.y() - v * out_of.z());
-  out->normal = Eigen::Vector2d(t.y(), -t.x()).normalized();
-  if (out->normal.dot(o) < 0.0) out->normal = -out->normal;
-  const Eigen::Vector2d n_ideal = lens.transpose() * out->normal;
-  out->g_local = T.linear().transpose() *
-                 (radius * inv_z * Eigen::Vector3d(n_ideal.x(), n_ideal.y(),
-                                                   -(n_ideal.x() * u + n_ideal.y() * v)));
-  out->out_px = out->normal.dot(o) * radius * inv_z;
-  return true;
-}
 
 float bilinear(const cv::Mat& image, float x, float y) {
   const int ix = static_cast<int>(x), iy = static_cast<int>(y);
@@ -62,7 +36,7 @@ std::array<float, kTaps> derivativeTaps(double sigma) {
 }
 
 /// The strongest edge, nearer ones preferred.
-EdgeHit bestEdge(const EdgeMap& edges, const Posed& at, const ImageReach& reach,
+EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& reach,
                  const std::array<float, kTaps>& taps) {
   const int half = reach.reach_px + kTaps + 1, n = 2 * half + 1;
   EdgeHit hit;
@@ -132,8 +106,8 @@ void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<Loca
   const auto taps = derivativeTaps(reach.sigma_px);
   hits->resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    Posed at;
-    (*hits)[i] = poseOf(camera, points[i], radius, T_camera_centre, &at)
+    PosedPoint at;
+    (*hits)[i] = posePoint(camera, points[i], radius, T_camera_centre, &at)
                      ? bestEdge(edges, at, reach, taps)
                      : EdgeHit{};
   }
@@ -219,13 +193,12 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
   std::vector<Row> rows;
   rows.reserve(points.size());
   for (const auto& p : points) {
-    Posed at;
-    if (!poseOf(camera, p, radius, T_camera_centre, &at)) continue;
+    PosedPoint at;
+    if (!posePoint(camera, p, radius, T_camera_centre, &at)) continue;
     const EdgeHit hit = bestEdge(edges, at, reach, taps);
     if (!hit.found) continue;
     Row row;
-    const auto& g = at.g_local;
-    row.J << g, p.y * g.z(), -p.x * g.z(), p.x * g.y() - p.y * g.x();
+    row.J = normalJacobian(p, at);
     row.offset = hit.offset_px;
     row.out_px = at.out_px;
     rows.push_back(row);

@@ -119,19 +119,12 @@ std::vector<std::shared_ptr<const PartModel>> loadParts(const std::vector<std::s
 }
 
 /// Any 8- or 16-bit picture as one grey channel.
-cv::Mat loadImage(const std::string& path, const Camera& camera) {
+cv::Mat loadImage(const std::string& path) {
   const cv::Mat image = cv::imread(path, cv::IMREAD_UNCHANGED);
   if (image.empty())
     throw std::runtime_error(path + ": cannot be read as a picture; check the path and the file");
   if (image.depth() != CV_8U && image.depth() != CV_16U) {
     throw std::runtime_error(path + ": has neither 8 nor 16 bit; save it as PNG");
-  }
-  const Camera::Model& model = camera.model();
-  if (image.cols != model.width || image.rows != model.height) {
-    throw std::runtime_error(
-        path + ": is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
-        " pixels, the camera was calibrated with " + std::to_string(model.width) + " x " +
-        std::to_string(model.height) + "; give the camera's own picture, not a resized one");
   }
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
@@ -222,7 +215,7 @@ void run(const Options& options) {
   request.parts = loadParts(options.parts);
   request.distance_min = options.distance_min;
   request.distance_max = options.distance_max;
-  const cv::Mat image = loadImage(options.image, camera);
+  const cv::Mat image = loadImage(options.image);
   const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - start;
   const LocateResult result = locator.locate(image, camera, request);
   printTable(result);
