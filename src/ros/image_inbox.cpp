@@ -35,6 +35,11 @@ std::optional<Frame> ImageInbox::newest() const {
   return newest_;
 }
 
+bool ImageInbox::closed() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return closed_;
+}
+
 void ImageInbox::close() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -46,6 +46,7 @@ class ImageInbox {
 
   /// Ends all waiting, now and later.
   void close();
+  bool closed() const;
 
  private:
   mutable std::mutex mutex_;

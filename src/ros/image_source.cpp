@@ -42,6 +42,9 @@ Frame ImageSource::await(const ros::Time& not_before, const ros::Duration& timeo
   FrameWish wish{not_before, SteadyTime{}};
   if (not_before.isZero()) wish = {ros::Time::now(), now};
   const auto frame = inbox_.wait(wish, now + std::chrono::nanoseconds(timeout.toNSec()));
+  if (!frame && inbox_.closed()) {
+    throw Refusal(Status::NO_IMAGE, "the node shut down while waiting; call again once it is back");
+  }
   if (!frame) {
     throw Refusal(Status::NO_IMAGE, "no image that is new enough within " +
                                         seconds(timeout.toSec()) + ": " + whyNone(wish.not_before));

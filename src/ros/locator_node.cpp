@@ -6,8 +6,10 @@
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "locator");
+  // Outside the try block: with its last handle ROS shuts down, and its log falls silent.
+  const ros::NodeHandle nh, pnh("~");
   try {
-    planar_bin_picking_ros::LocatorRos locator(ros::NodeHandle(), ros::NodeHandle("~"));
+    planar_bin_picking_ros::LocatorRos locator(nh, pnh);
     ros::spin();
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM(error.what());

@@ -18,7 +18,7 @@ namespace {
 
 using planar_bin_picking::LocatorParams;
 
-const std::string kConfig = std::string(SOURCE_DIR) + "/config/";
+const std::string kConfig = std::string(PACKAGE_DIR) + "/config/";
 
 std::set<std::string> keysOf(const YAML::Node& node, const std::string& prefix = "") {
   std::set<std::string> keys;

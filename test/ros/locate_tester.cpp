@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// The tester of all rostests: calls a locator and compares its answer with what its parameters
-/// say. Choose the cases with --gtest_filter; everything waits with a deadline. Parameters, all
-/// private:
+/// say. Everything waits with a deadline. Parameters, all private:
 ///   service            what to call
 ///   part, face, timeout, max_parts   of the request
 ///   callers            how many call at once
@@ -12,6 +11,7 @@
 ///   seconds_max        within which the answer must be there
 ///   truth              file with the parts in camera_frame (test/data/*/truth.yaml), and with it
 ///   camera_frame, recall_min, precision_min, lateral_max_mm, depth_max_mm, angle_max_deg
+///   cases/<name>/...   all of the above but truth, once per case, for --gtest_filter=Cases.*
 
 #include "convert.h"
 #include "support/matchers.h"
@@ -45,37 +45,71 @@ using std::chrono::steady_clock;
 const std::chrono::seconds kDeadline(20);  // for whatever must come at all; machines may be busy
 
 template <class Value>
-Value required(const std::string& name) {
+Value required(const std::string& name, const ros::NodeHandle& params = ros::NodeHandle("~")) {
   Value value;
-  if (!ros::NodeHandle("~").getParam(name, value)) {
-    throw std::runtime_error("the test does not set ~" + name);
+  if (!params.getParam(name, value)) {
+    throw std::runtime_error("the test does not set " + params.resolveName(name));
   }
   return value;
 }
 
-template <class Value>
-Value optional(const std::string& name, const Value& value) {
-  return ros::NodeHandle("~").param(name, value);
-}
-
+/// One caller or several at once, as parameters say.
 struct Call {
   bool answered = false;
   double seconds = 0.0;
   LocatePart::Response response;
 };
 
-Call callLocator() {
+Call callOnce(const ros::NodeHandle& params) {
   LocatePart service;
-  service.request.part = optional<std::string>("part", "");
-  service.request.face = static_cast<std::uint8_t>(optional("face", 0));
-  service.request.max_parts = static_cast<std::uint32_t>(optional("max_parts", 0));
-  service.request.timeout = ros::Duration(optional("timeout", 0.0));
+  service.request.part = params.param<std::string>("part", "");
+  service.request.face = static_cast<std::uint8_t>(params.param("face", 0));
+  service.request.max_parts = static_cast<std::uint32_t>(params.param("max_parts", 0));
+  service.request.timeout = ros::Duration(params.param("timeout", 0.0));
   const auto start = steady_clock::now();
   Call call;
-  call.answered = ros::service::call(required<std::string>("service"), service);
+  call.answered = ros::service::call(required<std::string>("service", params), service);
   call.seconds = duration<double>(steady_clock::now() - start).count();
   call.response = service.response;
   return call;
+}
+
+/// @return  nothing where the service does not come up
+std::vector<Call> callLocator(const ros::NodeHandle& params) {
+  const auto deadline = steady_clock::now() + kDeadline;
+  while (!ros::service::exists(required<std::string>("service", params), false)) {
+    if (steady_clock::now() > deadline) return {};
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  std::vector<std::future<Call>> futures;
+  for (int i = 0; i < params.param("callers", 1); ++i) {
+    futures.push_back(std::async(std::launch::async, callOnce, params));
+  }
+  std::vector<Call> calls;
+  for (auto& future : futures) calls.push_back(future.get());
+  return calls;
+}
+
+void expectAsAsked(const std::vector<Call>& calls, const ros::NodeHandle& params) {
+  ASSERT_FALSE(calls.empty()) << "no service " << required<std::string>("service", params);
+  for (const Call& call : calls) {
+    ASSERT_TRUE(call.answered);
+    EXPECT_EQ(call.response.status, required<int>("status", params)) << call.response.message;
+    EXPECT_NE(call.response.message.find(params.param<std::string>("message", "")),
+              std::string::npos)
+        << call.response.message;
+    EXPECT_LE(call.seconds, params.param("seconds_max", 60.0));
+    EXPECT_EQ(call.response.parts.empty(), call.response.status != LocatePart::Response::OK);
+  }
+}
+
+TEST(Cases, AreAnsweredAsAsked) {
+  XmlRpc::XmlRpcValue cases = required<XmlRpc::XmlRpcValue>("cases");
+  for (const auto& one : cases) {
+    SCOPED_TRACE(one.first);
+    const ros::NodeHandle params("~cases/" + one.first);
+    expectAsAsked(callLocator(params), params);
+  }
 }
 
 /// Calls once for all cases.
@@ -84,16 +118,7 @@ class Locate : public testing::Test {
   static void SetUpTestSuite() {
     buffer_ = std::make_unique<tf2_ros::Buffer>();
     listener_ = std::make_unique<tf2_ros::TransformListener>(*buffer_);
-    const auto deadline = steady_clock::now() + kDeadline;
-    while (!ros::service::exists(required<std::string>("service"), false)) {
-      if (steady_clock::now() > deadline) return;  // every case says so
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    std::vector<std::future<Call>> calls;
-    for (int i = 0; i < optional("callers", 1); ++i) {
-      calls.push_back(std::async(std::launch::async, callLocator));
-    }
-    for (auto& call : calls) calls_.push_back(call.get());
+    calls_ = callLocator(ros::NodeHandle("~"));
   }
 
   static void TearDownTestSuite() {
@@ -138,16 +163,7 @@ std::vector<Call> Locate::calls_;
 std::unique_ptr<tf2_ros::Buffer> Locate::buffer_;
 std::unique_ptr<tf2_ros::TransformListener> Locate::listener_;
 
-TEST_F(Locate, AnswersAsExpected) {
-  for (const Call& call : calls_) {
-    ASSERT_TRUE(call.answered);
-    EXPECT_EQ(call.response.status, required<int>("status")) << call.response.message;
-    EXPECT_NE(call.response.message.find(optional<std::string>("message", "")), std::string::npos)
-        << call.response.message;
-    EXPECT_LE(call.seconds, optional("seconds_max", 60.0));
-    EXPECT_EQ(call.response.parts.empty(), call.response.status != LocatePart::Response::OK);
-  }
-}
+TEST_F(Locate, AnswersAsExpected) { expectAsAsked(calls_, ros::NodeHandle("~")); }
 
 TEST_F(Locate, EveryCallerGetsTheSameParts) {
   for (const Call& call : calls_) EXPECT_EQ(call.response.parts.size(), response().parts.size());

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using planar_bin_picking::refuses;
 using planar_bin_picking::TempDir;
 
-const fs::path kBracket = fs::path(SOURCE_DIR) / "config/parts/bracket.dxf";
+const fs::path kBracket = fs::path(PACKAGE_DIR) / "config/parts/bracket.dxf";
 
 std::vector<std::string> names(const std::vector<PartPtr>& parts) {
   std::vector<std::string> result;

@@ -38,6 +38,8 @@ def parse_args():
     parser.add_argument("--rate", type=float, default=2.0, help="images per second")
     parser.add_argument("--velocity", type=float, nargs=3, default=(0.0, 0.0, 0.0),
                         metavar=("X", "Y", "Z"), help="of the flange in the base frame, m/s")
+    parser.add_argument("--clock-lead", type=float, default=0.0,
+                        help="how far the camera's clock is ahead, s")
     parser.add_argument("--bag", help="write this file in place of publishing")
     parser.add_argument("--duration", type=float, default=20.0, help="of the bag, s")
     return parser.parse_args(rospy.myargv()[1:])
@@ -104,7 +106,10 @@ def write_bag(scene, args):
     start = rospy.Time(1000)
     partial = args.bag + ".part"  # a bag that stands under its own name is complete
     with rosbag.Bag(partial, "w") as bag:
-        bag.write("/tf_static", scene.tf_static(start), start)
+        # Latched, as it was when a robot's tf was recorded: for those who come later.
+        bag.write("/tf_static", scene.tf_static(start), start, connection_header={
+            "topic": "/tf_static", "type": TFMessage._type, "md5sum": TFMessage._md5sum,
+            "message_definition": TFMessage._full_text, "latching": "1"})
         for i in range(int(args.duration * TF_RATE)):
             stamp = start + rospy.Duration(i / TF_RATE)
             bag.write("/tf", scene.tf(stamp), stamp)
@@ -124,15 +129,20 @@ def publish(scene, args):
     image_pub = rospy.Publisher("camera/image_raw", Image, queue_size=1)
     info_pub = rospy.Publisher("camera/camera_info", CameraInfo, queue_size=1)
     tf_static.publish(scene.tf_static(rospy.Time.now()))
-
-    def publish_images(_):
-        image, info = scene.images(rospy.Time.now())
-        image_pub.publish(image)
-        info_pub.publish(info)
-
-    rospy.Timer(rospy.Duration(1.0 / TF_RATE), lambda _: tf.publish(scene.tf(rospy.Time.now())))
-    rospy.Timer(rospy.Duration(1.0 / args.rate), publish_images)
-    rospy.spin()
+    ticks_per_image = max(1, round(TF_RATE / args.rate))
+    rate, ticks = rospy.Rate(TF_RATE), 0
+    try:
+        while True:
+            tf.publish(scene.tf(rospy.Time.now()))
+            ticks += 1
+            if ticks % ticks_per_image == 0:
+                image, info = scene.images(rospy.Time.now() + rospy.Duration(args.clock_lead))
+                image_pub.publish(image)
+                info_pub.publish(info)
+            rate.sleep()
+    except rospy.ROSException:  # what publish and sleep say at shutdown
+        if not rospy.is_shutdown():
+            raise
 
 
 def main():
