@@ -10,6 +10,7 @@
 #include <iomanip>
 #include <limits>
 #include <locale>
+#include <map>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
@@ -52,6 +53,9 @@ bool coverTheSame(const Stroke& s, const Stroke& t, double tolerance) {
          liesOn(s.points, t.points, tolerance) && liesOn(t.points, s.points, tolerance);
 }
 
+/// Ends this close were drawn to meet; further apart, up to the tolerance, they were meant to.
+constexpr double kExactMm = 1e-4;
+
 /// Which ends of strokes meet. End 2 i is the first point of stroke i, end 2 i + 1 its last.
 class Joints {
  public:
@@ -60,8 +64,17 @@ class Joints {
       ends_.push_back(stroke.points.front());
       ends_.push_back(stroke.points.back());
     }
-    joinClose(tolerance);
-    for (std::size_t end = 0; end < ends_.size(); ++end) members_[root(end)].push_back(end);
+    parent_.resize(ends_.size());
+    std::iota(parent_.begin(), parent_.end(), 0);
+    joinClose(parent_, kExactMm);
+    collect();
+    // An outline of lines shorter than the tolerance must not collapse: only loose ends reach far.
+    std::vector<std::size_t> loose;
+    for (std::size_t end = 0; end < ends_.size(); ++end) {
+      if (meeting(end).size() == 1) loose.push_back(end);
+    }
+    joinClose(loose, tolerance);
+    collect();
   }
 
   const Eigen::Vector2d& at(std::size_t end) const { return ends_[end]; }
@@ -76,11 +89,7 @@ class Joints {
   }
 
  private:
-  void joinClose(double tolerance) {
-    parent_.resize(ends_.size());
-    members_.resize(ends_.size());
-    std::iota(parent_.begin(), parent_.end(), 0);
-    std::vector<std::size_t> from_left(parent_);
+  void joinClose(std::vector<std::size_t> from_left, double tolerance) {
     std::sort(from_left.begin(), from_left.end(), [this](std::size_t a, std::size_t b) {
       return ends_[a].x() != ends_[b].x() ? ends_[a].x() < ends_[b].x() : a < b;
     });
@@ -92,6 +101,11 @@ class Joints {
         if ((q - p).norm() <= tolerance) parent_[root(from_left[j])] = root(from_left[i]);
       }
     }
+  }
+
+  void collect() {
+    members_.assign(ends_.size(), {});
+    for (std::size_t end = 0; end < ends_.size(); ++end) members_[root(end)].push_back(end);
   }
 
   std::size_t root(std::size_t end) const {
@@ -190,6 +204,21 @@ std::vector<Contour> chain(const std::vector<Stroke>& strokes, const Joints& joi
   return contours;
 }
 
+/// Drops what has no length, and strokes shorter than the tolerance that no contour runs through.
+std::vector<Stroke> withoutCrumbs(const std::vector<Stroke>& strokes, double tolerance) {
+  std::vector<Stroke> lines, kept;
+  for (const Stroke& stroke : strokes) {
+    if (lengthOf(stroke.points) > kExactMm) lines.push_back(stroke);
+  }
+  const Joints joints(lines, kExactMm);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const auto &first = joints.meeting(2 * i), &last = joints.meeting(2 * i + 1);
+    const bool through = first.size() == 2 && last.size() == 2 && first != last;
+    if (through || lengthOf(lines[i].points) > tolerance) kept.push_back(lines[i]);
+  }
+  return kept;
+}
+
 }  // namespace
 
 std::string inMm(const Eigen::Vector2d& point) {
@@ -201,14 +230,20 @@ std::string inMm(const Eigen::Vector2d& point) {
   return text.str();
 }
 
-std::vector<Stroke> withoutDuplicates(std::vector<Stroke> strokes, double tolerance) {
+std::vector<Stroke> withoutDuplicates(const std::vector<Stroke>& strokes, double tolerance) {
+  const std::vector<Stroke> lines = withoutCrumbs(strokes, tolerance);
   std::vector<Stroke> kept;
-  for (Stroke& stroke : strokes) {
-    if (lengthOf(stroke.points) <= tolerance) continue;
-    const bool twice = std::any_of(kept.begin(), kept.end(), [&](const Stroke& other) {
-      return coverTheSame(stroke, other, tolerance);
-    });
-    if (!twice) kept.push_back(std::move(stroke));
+  std::multimap<double, std::size_t> by_left;  // index in kept by the left end of its box
+  for (const Stroke& stroke : lines) {
+    // A neighbour as short as the tolerance must not pass for the same line.
+    const double near = std::min(tolerance, 0.2 * lengthOf(stroke.points));
+    const double left = boxOf(stroke.points).min().x();
+    const bool twice = std::any_of(
+        by_left.lower_bound(left - near), by_left.upper_bound(left + near),
+        [&](const auto& other) { return coverTheSame(stroke, kept[other.second], near); });
+    if (twice) continue;
+    by_left.emplace(left, kept.size());
+    kept.push_back(stroke);
   }
   return kept;
 }

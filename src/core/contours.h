@@ -33,10 +33,12 @@ std::string nameOf(const Drawn& drawn) {
 /// `(12.345, 6.700) mm`
 std::string inMm(const Eigen::Vector2d& point);
 
-/// Drops strokes that are drawn twice, in either direction, and those shorter than the tolerance.
-std::vector<Stroke> withoutDuplicates(std::vector<Stroke> strokes, double tolerance);
+/// Drops strokes that are drawn twice, in either direction, and crumbs: those shorter than the
+/// tolerance that no contour runs through.
+std::vector<Stroke> withoutDuplicates(const std::vector<Stroke>& strokes, double tolerance);
 
-/// Joins strokes whose ends lie within the tolerance. Every end must find exactly one other.
+/// Joins strokes whose ends meet, or lie within the tolerance where nothing else meets them. Every
+/// end must find exactly one other.
 /// @throws std::runtime_error  an open contour or a branch: what ends there, and where
 std::vector<Contour> chainClosed(const std::vector<Stroke>& strokes, double tolerance);
 

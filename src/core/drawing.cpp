@@ -80,6 +80,9 @@ class Selection {
   }
 
   void place(const DxfEntity& entity, const Inherited& from) {
+    if (++placed_ > 200000) {
+      throw std::runtime_error("has more than 200000 entities: no single part");
+    }
     const std::string layer_name = entity.layer == "0" ? from.layer : entity.layer;
     const DxfLayer layer = layerOf(layer_name);
     const std::string linetype = entity.linetype == "BYLAYER"   ? layer.linetype
@@ -99,8 +102,6 @@ class Selection {
       return placeBlock(entity, {from.placement, layer_name, linetype, print, from.depth + 1});
     Stroke stroke{entity.type, layer_name, {}};
     stroke.points = flatten(entity.curve, from.placement, params_.chord_tolerance_mm);
-    if (++placed_ > 200000)
-      throw std::runtime_error("has more than 200000 entities: no single part");
     if (!stroke.points.empty()) (print ? prints : edges).push_back(std::move(stroke));
   }
 
@@ -238,15 +239,14 @@ Drawing assemble(const DxfFile& file, const DrawingParams& params) {
   Selection selection(file, params);
   selection.run();
   const double tolerance = params.join_tolerance_mm;
-  const std::vector<Stroke> edges = withoutDuplicates(std::move(selection.edges), tolerance);
+  const std::vector<Stroke> edges = withoutDuplicates(selection.edges, tolerance);
   if (edges.empty()) throw std::runtime_error(nothingDrawn(selection));
   std::vector<Contour> contours = chainClosed(edges, tolerance);
   for (Contour& contour : contours) dropRepeated(&contour);
   checkSize(contours);
   checkCrossings(contours);
   Drawing drawing{classify(contours)};
-  for (Contour& print :
-       chainAny(withoutDuplicates(std::move(selection.prints), tolerance), tolerance)) {
+  for (Contour& print : chainAny(withoutDuplicates(selection.prints, tolerance), tolerance)) {
     dropRepeated(&print);
     checkOnPart(print, drawing.loops.front());
     drawing.loops.push_back({LoopKind::kPrint, print.closed, std::move(print.points)});

@@ -99,6 +99,12 @@ TEST_F(DrawingContours, TellsPrintsFromEdges) {
   EXPECT_TRUE(drawing.loops[2].closed);
 }
 
+TEST_F(DrawingContours, RefusesPrintsBesideThePart) {
+  DxfWriter dxf;
+  dxf.rectangle(0, 0, 30, 20).line(5, 5, 45, 5, "PRINT");
+  EXPECT_TRUE(refused(dxf, {"print", "LINE", "PRINT", "not on the part", "skip_layers"}));
+}
+
 TEST_F(DrawingContours, RemovesLinesDrawnTwice) {
   DxfWriter dxf;
   dxf.line(0, 0, 40, 0).line(40, 0, 40, 20).line(40, 20, 0, 20).line(0, 20, 0, 0);
@@ -107,6 +113,26 @@ TEST_F(DrawingContours, RemovesLinesDrawnTwice) {
   const Drawing drawing = load(dxf);
   ASSERT_EQ(drawing.loops.size(), 2u);
   EXPECT_EQ(drawing.loops[0].points.size(), 4u);
+}
+
+TEST_F(DrawingContours, KeepsOutlinesOfVeryShortLines) {
+  DxfWriter dxf;  // as some CAM programs export arcs: lines shorter than the join tolerance
+  dxf.rectangle(-10, -10, 10, 10);
+  const int n = 400;
+  for (int i = 0; i < n; ++i) {
+    const double a = 2 * kPi * i / n, b = 2 * kPi * (i + 1) / n;
+    dxf.line(2 * std::cos(a), 2 * std::sin(a), 2 * std::cos(b), 2 * std::sin(b));
+  }
+  const Drawing drawing = load(dxf);
+  ASSERT_EQ(drawing.loops.size(), 2u);
+  EXPECT_TRUE(boxNear(drawing.loops[1], -2, -2, 2, 2));
+}
+
+TEST_F(DrawingContours, DropsCrumbs) {
+  DxfWriter dxf;
+  dxf.line(0, 0, 40, 0).line(40, 0, 40, 20).line(40, 20, 0, 20).line(0, 20, 0, 0);
+  dxf.line(40, 20, 40.03, 20).line(20, 10, 20.04, 10).circle(10, 10, 0.005);
+  EXPECT_EQ(load(dxf).loops.size(), 1u);
 }
 
 TEST_F(DrawingContours, JoinsSmallGapsOnly) {

@@ -146,8 +146,7 @@ TEST_F(LocateImage, RefusesWrongFiles) {
   EXPECT_TRUE(refused(no_image + " --image " + dir_.write("i.png", "no picture"),
                       {"i.png", "cannot be read"}));
   cv::imwrite(dir_.path("small.png"), cv::Mat(20, 30, CV_8U, cv::Scalar(9)));
-  EXPECT_TRUE(refused(no_image + " --image " + dir_.path("small.png"),
-                      {"small.png", "30 x 20", "2448 x 2048"}));
+  EXPECT_TRUE(refused(no_image + " --image " + dir_.path("small.png"), {"30 x 20", "2448 x 2048"}));
 }
 
 TEST_F(LocateImage, RefusesWhereItCannotWriteBeforeItWorks) {
