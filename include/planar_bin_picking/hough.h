@@ -24,7 +24,7 @@ struct HoughParams {
   int raster_points = 96;       ///< along the outline
   double votes_min = 0.5;       ///< share of the highest possible vote
   int tile_cells = 4;
-  int max_candidates = 500;
+  int max_candidates = 400;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

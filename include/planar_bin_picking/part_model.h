@@ -49,6 +49,9 @@ class PartModel {
   /// Evenly spaced along all loops, loop by loop, in order; prints at the end.
   const std::vector<OutlinePoint>& outline() const { return outline_; }
   const std::vector<Lookalike>& lookalikes() const { return lookalikes_; }
+  /// Order of the rotations after which the shape is all but the same (a sprocket's teeth): voting need not
+  /// tell these apart. 0 = full circle; at least symmetry().order.
+  int nearOrder() const { return near_order_; }
   /// z of a face in the part frame: 0 for the front, -thickness for the back.
   double faceZ(Face face) const { return face == Face::kFront ? 0.0 : -thickness(); }
 
@@ -60,6 +63,7 @@ class PartModel {
   bool has_print_ = false;
   std::vector<OutlinePoint> outline_;
   std::vector<Lookalike> lookalikes_;
+  int near_order_ = 1;
 };
 
 }  // namespace planar_bin_picking

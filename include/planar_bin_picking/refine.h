@@ -15,7 +15,7 @@ namespace planar_bin_picking {
 
 struct RefineParams {
   double tilt_limit_deg = 40.0;  ///< Theta_lim of Eq. (7): beyond, a pose is penalised
-  int field_points = 96;
+  int field_points = 64;
   int field_iterations = 14;
   double field_reach_radii = 0.13;  ///< radii of the part within which an edgel attracts, at first
   double field_reach_end_px = 2.0;  ///< field pixels, at last
@@ -23,7 +23,7 @@ struct RefineParams {
   int max_poses = 250;              ///< that go on to the image
   double image_support_min = 0.4;   ///< poses below are dropped after the first look at the image
   double search_below = 0.92;       ///< poses better supported need no search about them
-  double search_support_min = 0.55; ///< poses below are dropped after the search
+  double search_support_min = 0.6;  ///< poses below are dropped after the search
   int wide_points = 128;
   int image_points = 320;
 

@@ -108,7 +108,8 @@ std::vector<View> makeViews(const HoughTask& task, const HoughParams& params) {
   // The faces of a mirror symmetric outline look the same; a print tells them apart later (refine.h).
   std::vector<Face> faces = {Face::kFront};
   if (!symmetry.mirror) faces.push_back(Face::kBack);
-  const double yaw_range = symmetry.order == 0 ? 0.0 : 2.0 * M_PI / symmetry.order;
+  const int order = task.part->nearOrder();
+  const double yaw_range = order == 0 ? 0.0 : 2.0 * M_PI / order;
   const int yaws =
       std::max(1, static_cast<int>(std::ceil(yaw_range / (params.yaw_step_deg * M_PI / 180.0))));
   const double span = std::log(task.distance_max / task.distance_min);

@@ -118,4 +118,29 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance,
   return out;
 }
 
+int findNearOrder(const PartModel& part, double share_min) {
+  const int order = part.symmetry().order;
+  if (order == 0) return 0;
+  std::vector<double> angles;  // of the turns that all but keep the shape, in (0, 2 pi)
+  for (int k = 1; k < order; ++k) angles.push_back(2.0 * M_PI * k / order);
+  const double shape = static_cast<double>(
+      std::count_if(part.outline().begin(), part.outline().end(),
+                    [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; }));
+  for (const auto& other : part.lookalikes()) {
+    if (other.flips || other.exact || other.only_lookalike.size() > (1.0 - share_min) * shape) continue;
+    const Eigen::Matrix3d& R = other.T_part_lookalike.linear();
+    angles.push_back(std::fmod(std::atan2(R(1, 0), R(0, 0)) + 2.0 * M_PI, 2.0 * M_PI));
+  }
+  const auto has = [&](double angle) {
+    return std::any_of(angles.begin(), angles.end(),
+                       [angle](double a) { return std::abs(a - angle) < 0.02; });
+  };
+  for (int n = static_cast<int>(angles.size()) + 1; n > order; --n) {
+    bool all = true;
+    for (int k = 1; k < n && all; ++k) all = has(2.0 * M_PI * k / n);
+    if (all) return n;
+  }
+  return order;
+}
+
 }  // namespace planar_bin_picking

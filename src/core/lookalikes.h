@@ -15,4 +15,8 @@ namespace planar_bin_picking {
 std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance = 0.03,
                                       double share_min = 0.7);
 
+/// Largest n for which every turn by 360/n degrees is a symmetry or a lookalike that shares at least
+/// `share_min` of the outline; 0 for a full circle. See PartModel::nearOrder.
+int findNearOrder(const PartModel& part, double share_min = 0.9);
+
 }  // namespace planar_bin_picking

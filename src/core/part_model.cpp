@@ -67,6 +67,7 @@ PartModel::PartModel(PartFile file) : file_(std::move(file)) {
     sampleLoop(loops[i], static_cast<int>(i), length / kSamples, &outline_);
   }
   lookalikes_ = findLookalikes(*this);
+  near_order_ = findNearOrder(*this);
 }
 
 }  // namespace planar_bin_picking

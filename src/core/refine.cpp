@@ -18,7 +18,7 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr ImageReach kNarrow{4, 3, 1.0};
+constexpr ImageReach kNarrow{4, true, 1.0};
 constexpr double kTiltUnsure = 0.03;  // a lead in support that decides nothing about the tilt's sign
 
 /// A pose on its way through the levels, with its support at the last one.
@@ -92,7 +92,7 @@ class Refiner {
     const double radius_px = camera_.model().fx * outlines_[pose->part].part->radius() /
                              pose->T_camera_part.translation().z();
     const int reach = std::clamp(static_cast<int>(std::lround(0.03 * radius_px)), 6, 14);
-    align(outlines_[pose->part].wide, {reach, 1, 1.2},
+    align(outlines_[pose->part].wide, {reach, false, 1.2},
           std::array<double, 3>{1.0 * reach, 0.7 * reach, 4.0}, pose);
   }
 

@@ -15,15 +15,24 @@ namespace {
 
 constexpr int kTaps = 3;       // of the derivative filter on either side
 constexpr int kMaxReach = 16;
+constexpr float kAside = 1.0f;  // pixels between a pair's profiles and the point
 constexpr double kNoiseFactor = 4.0;  // an edge on a profile is this far above the noise
 
-float bilinear(const cv::Mat& image, float x, float y) {
-  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-  const float a = x - ix, b = y - iy;
-  const auto* p = image.ptr<std::uint8_t>(iy) + ix;
-  const auto* q = p + image.step;
-  const float top = p[0] + a * (p[1] - p[0]), bottom = q[0] + a * (q[1] - q[0]);
-  return top + b * (bottom - top);
+/// Grey levels along a straight line of unit steps, added to sum[0..n). Fixed point: 16 fractional bits for
+/// the position, 8 for the weights.
+void addProfile(const cv::Mat& image, float x0, float y0, float dx, float dy, int n, float* sum) {
+  constexpr float kOne = 65536.0f;
+  int x = static_cast<int>(x0 * kOne), y = static_cast<int>(y0 * kOne);
+  const int step_x = static_cast<int>(dx * kOne), step_y = static_cast<int>(dy * kOne);
+  const std::uint8_t* const data = image.data;
+  const auto row = static_cast<std::ptrdiff_t>(image.step);
+  for (int k = 0; k < n; ++k, x += step_x, y += step_y) {
+    const std::uint8_t* p = data + (y >> 16) * row + (x >> 16);
+    const int a = (x >> 8) & 255, b = (y >> 8) & 255;
+    const int top = (p[0] << 8) + a * (p[1] - p[0]);
+    const int bottom = (p[row] << 8) + a * (p[row + 1] - p[row]);
+    sum[k] += static_cast<float>((top << 8) + b * (bottom - top)) * (1.0f / 65536.0f);
+  }
 }
 
 /// Derivative-of-Gaussian taps for j = 1..kTaps; a unit step answers with 1.
@@ -46,28 +55,30 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
       at.pixel.y() > image.rows - 2 - span) {
     return hit;
   }
-  std::array<float, 2 * (kMaxReach + kTaps + 1) + 1> sum{}, across{};
+  // One profile through the point, or one to either side, which tells the gradient's direction, too.
+  std::array<float, 2 * (kMaxReach + kTaps + 1) + 1> sum{}, other{};
   const float nx = static_cast<float>(at.normal.x()), ny = static_cast<float>(at.normal.y());
-  const int side = reach.lines / 2;
-  for (int line = -side; line <= side; ++line) {
-    const float shift = 1.5f * line;
-    const float x0 = static_cast<float>(at.pixel.x()) - shift * ny - half * nx;
-    const float y0 = static_cast<float>(at.pixel.y()) + shift * nx - half * ny;
-    for (int k = 0; k < n; ++k) {
-      const float v = bilinear(image, x0 + k * nx, y0 + k * ny);
-      sum[k] += v;
-      across[k] += line * v;
-    }
+  const float x0 = static_cast<float>(at.pixel.x()) - half * nx;
+  const float y0 = static_cast<float>(at.pixel.y()) - half * ny;
+  if (reach.paired) {
+    addProfile(image, x0 - kAside * ny, y0 + kAside * nx, nx, ny, n, sum.data());
+    addProfile(image, x0 + kAside * ny, y0 - kAside * nx, nx, ny, n, other.data());
+  } else {
+    addProfile(image, x0, y0, nx, ny, n, sum.data());
   }
-  const float inv_lines = 1.0f / reach.lines;
+  std::array<float, 2 * (kMaxReach + kTaps + 1) + 1> across{};
+  for (int k = 0; k < n && reach.paired; ++k) {
+    across[k] = (sum[k] - other[k]) / (2.0f * kAside);
+    sum[k] = 0.5f * (sum[k] + other[k]);
+  }
   std::array<float, 2 * kMaxReach + 3> slope{};
   const int m = 2 * reach.reach_px + 3;  // slope[i] stands at offset i - reach_px - 1
   for (int i = 0; i < m; ++i) {
     float s = 0.0f;
     for (int j = 1; j <= kTaps; ++j) s += taps[j - 1] * (sum[i + kTaps + j] - sum[i + kTaps - j]);
-    slope[i] = s * inv_lines;
+    slope[i] = s;
   }
-  const auto level = static_cast<int>(sum[half] * inv_lines);
+  const auto level = static_cast<int>(sum[half]);
   const float noise = edges.noise[std::clamp(level, 0, 255)];
   float best = 0.0f;
   for (int i = 1; i + 1 < m; ++i) {
@@ -85,10 +96,9 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
     hit.offset_px = at_px;
     hit.contrast = slope[i];
     hit.strength = a / noise;
-    if (side > 0) {
-      // Across the lines: a least-squares slope per pixel, averaged over the edge's width.
+    if (reach.paired) {
       const int c = i + kTaps;
-      const float t = (across[c - 1] + across[c] + across[c + 1]) / (3.0f * 2.0f * 1.5f);
+      const float t = (across[c - 1] + across[c] + across[c + 1]) / 3.0f;
       const float g = 0.5f * slope[i];  // a blurred step of height 1 has a slope of about one half
       hit.cosine = std::abs(g) / std::sqrt(g * g + t * t);
     } else {

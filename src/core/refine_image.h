@@ -24,7 +24,7 @@ struct EdgeHit {
 
 struct ImageReach {
   int reach_px = 6;       ///< how far along the normal an edge is sought
-  int lines = 1;          ///< parallel profiles that are averaged, 1 or 3
+  bool paired = false;    ///< two profiles side by side: less noise, and the gradient's direction
   double sigma_px = 1.0;  ///< of the derivative filter
 };
 

@@ -12,7 +12,7 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr ImageReach kReach{3, 3, 1.0};
+constexpr ImageReach kReach{3, true, 1.0};
 
 /// The outline's points by kind, in order along the loops.
 struct Groups {
