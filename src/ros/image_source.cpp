@@ -34,8 +34,11 @@ void checkClock(const Frame& frame) {
 
 }  // namespace
 
-ImageSource::ImageSource(const ros::NodeHandle& nh)
-    : images_(nh), camera_(images_.subscribeCamera(kImageTopic, 1, &ImageInbox::push, &inbox_)) {}
+ImageSource::ImageSource(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
+    : images_(nh),
+      camera_(images_.subscribeCamera(
+          kImageTopic, 1, &ImageInbox::push, &inbox_,
+          image_transport::TransportHints("raw", ros::TransportHints(), pnh))) {}
 
 Frame ImageSource::await(const ros::Time& not_before, const ros::Duration& timeout) {
   const SteadyTime now = std::chrono::steady_clock::now();

@@ -19,8 +19,9 @@ namespace planar_bin_picking_ros {
 
 class ImageSource {
  public:
-  /// @param nh  its callback queue must be served while calls wait
-  explicit ImageSource(const ros::NodeHandle& nh);
+  /// @param nh   its callback queue must be served while calls wait
+  /// @param pnh  where `~image_transport` may say how images come, such as `compressed`
+  ImageSource(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
 
   /// @param not_before  oldest stamp; zero = taken and received from now on
   /// @param timeout     wall time

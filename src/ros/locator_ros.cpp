@@ -42,10 +42,13 @@ FaceFilter faceFilter(const std::uint8_t face) {
                 "face is " + std::to_string(face) + "; it must be ANY (0), FRONT (1) or BACK (2)");
 }
 
-std::string text(const char* format, const double a, const double b = 0.0, const double c = 0.0) {
-  char buffer[300];
-  std::snprintf(buffer, sizeof buffer, format, a, b, c);
-  return buffer;
+std::string nothingFound(const double threshold, const LocateRequest& request) {
+  char text[300];
+  std::snprintf(text, sizeof text,
+                "nothing scored %.2f or more between %.3f and %.3f m from the camera; if there are "
+                "parts, look at ~overlay, check light, focus and these distances",
+                threshold, request.distance_min, request.distance_max);
+  return text;
 }
 
 }  // namespace
@@ -82,7 +85,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       image_nh_(onQueue(nh, &image_queue_)),
       call_pnh_(onQueue(pnh, &call_queue_)),
       tf_listener_(tf_buffer_),
-      source_(image_nh_),
+      source_(image_nh_, pnh),
       publisher_(call_pnh_, cell_.frame_prefix),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_) {
@@ -136,7 +139,7 @@ void LocatorRos::answer(const Request& request, Response& response) {
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
   const auto T_target_camera = transform(answer.header.frame_id, image.frame_id, image.stamp);
-  const LocateRequest locate_request = makeRequest(request, image);
+  const LocateRequest locate_request = makeRequest(request, parts, image);
   watch.lap("transform");
   {
     // One at a time: a call uses all cores anyway, and two would need twice the memory.
@@ -154,14 +157,8 @@ void LocatorRos::answer(const Request& request, Response& response) {
   response.parts = publisher_.publish(std::move(answer))->located;
   watch.lap("publish");
   response.status = count > 0 ? Response::OK : Response::NO_PART_FOUND;
-  response.message =
-      count > 0
-          ? std::to_string(count) + " located"
-          : text(
-                "nothing scored %.2f or more between %.3f and %.3f m from the camera; if there "
-                "are parts, look at ~overlay, check light, focus and these distances",
-                locator_.params().score.threshold, locate_request.distance_min,
-                locate_request.distance_max);
+  response.message = count > 0 ? std::to_string(count) + " located"
+                               : nothingFound(locator_.params().score.threshold, locate_request);
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {
@@ -188,13 +185,14 @@ Eigen::Isometry3d LocatorRos::transform(const std::string& target, const std::st
   return *found.T_target_source;
 }
 
-LocateRequest LocatorRos::makeRequest(const Request& request, const std_msgs::Header& image) const {
+LocateRequest LocatorRos::makeRequest(const Request& request, const std::vector<PartPtr>& parts,
+                                      const std_msgs::Header& image) const {
   DistanceRange range{cell_.distance_min, cell_.distance_max};
   if (cell_.hasBin()) {
     range = distanceRange(cell_, transform(image.frame_id, cell_.bin_frame, image.stamp));
   }
   LocateRequest locate_request;
-  locate_request.parts = library_.select(request.part);
+  locate_request.parts = parts;
   locate_request.distance_min = range.min;
   locate_request.distance_max = range.max;
   locate_request.face = faceFilter(request.face);

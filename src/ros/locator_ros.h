@@ -24,6 +24,7 @@
 
 #include <mutex>
 #include <string>
+#include <vector>
 
 namespace planar_bin_picking_ros {
 
@@ -49,6 +50,7 @@ class LocatorRos {
   Eigen::Isometry3d transform(const std::string& target, const std::string& source,
                               const ros::Time& stamp) const;
   planar_bin_picking::LocateRequest makeRequest(const Request& request,
+                                                const std::vector<PartPtr>& parts,
                                                 const std_msgs::Header& image) const;
 
   const planar_bin_picking::Locator locator_;
