@@ -63,14 +63,34 @@ class Pen {
     return cv::Point(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())));
   }
 
-  void line(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const cv::Scalar& color,
-            int width) {
-    constexpr int kPieces = 8;
-    for (int i = 0; i < kPieces; ++i) {
-      const auto a = pixel(from + (to - from) * (static_cast<double>(i) / kPieces));
-      const auto b = pixel(from + (to - from) * (static_cast<double>(i + 1) / kPieces));
-      if (a && b) cv::line(*canvas_, *a, *b, color, width, cv::LINE_AA, kShift);
+  /// The polyline in pixels, bent, in the stretches that lie within the view. Points nearer than
+  /// anyone sees are left out: drawing is what takes the time.
+  std::vector<std::vector<cv::Point>> trace(const std::vector<Eigen::Vector3d>& points) const {
+    constexpr int kPieces = 8;  // per side; short ones merge again
+    std::vector<std::vector<cv::Point>> stretches(1);
+    const auto add = [&](const Eigen::Vector3d& p_camera, bool corner) {
+      const auto p = pixel(p_camera);
+      std::vector<cv::Point>& stretch = stretches.back();
+      if (!p) {
+        if (!stretch.empty()) stretches.emplace_back();
+      } else if (stretch.empty() || cv::norm(*p - stretch.back()) > (corner ? 3 : 40) << kShift) {
+        stretch.push_back(*p);
+      }
+    };
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      for (int k = 0; k < kPieces; ++k) {
+        add(points[i - 1] + (points[i] - points[i - 1]) * (static_cast<double>(k) / kPieces),
+            k == 0);
+      }
     }
+    const auto last = pixel(points.back());
+    if (last && !stretches.back().empty()) stretches.back().push_back(*last);
+    return stretches;
+  }
+
+  void draw(const std::vector<std::vector<cv::Point>>& stretches, const cv::Scalar& color,
+            int width) {
+    cv::polylines(*canvas_, stretches, false, color, width, cv::LINE_AA, kShift);
   }
 
   /// Text centred on a pixel, readable on any ground.
@@ -99,17 +119,17 @@ Eigen::Vector3d onFace(const PartModel& part, const Detection& detection,
   return detection.T_camera_part * Eigen::Vector3d(p.x(), p.y(), part.faceZ(detection.face));
 }
 
-void drawOutline(Pen* pen, const PartModel& part, const Detection& detection,
-                 const cv::Scalar& color, int width) {
+void drawOutline(Pen* pen, const PartModel& part, const Detection& detection) {
+  const cv::Scalar color = detection.face == Face::kFront ? kFrontColor : kBackColor;
   for (const Loop& loop : part.file().drawing.loops) {
     const bool print = loop.kind == LoopKind::kPrint;
     if (print && detection.face == Face::kBack) continue;
-    for (std::size_t i = loop.closed ? 0 : 1; i < loop.points.size(); ++i) {
-      const std::size_t before = (i + loop.points.size() - 1) % loop.points.size();
-      pen->line(onFace(part, detection, loop.points[before]),
-                onFace(part, detection, loop.points[i]), color,
-                print ? std::max(1, width / 2) : width);
-    }
+    std::vector<Eigen::Vector3d> points;
+    for (const Eigen::Vector2d& p : loop.points) points.push_back(onFace(part, detection, p));
+    if (loop.closed) points.push_back(points.front());
+    const auto stretches = pen->trace(points);
+    if (!print) pen->draw(stretches, kDark, 3 * pen->unit());
+    pen->draw(stretches, color, print ? pen->unit() : 2 * pen->unit());
   }
 }
 
@@ -119,7 +139,8 @@ void drawAxes(Pen* pen, const PartModel& part, const Detection& detection) {
   const Eigen::Isometry3d& T_camera_part = detection.T_camera_part;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d tip = 0.4 * part.radius() * Eigen::Vector3d::Unit(axis);
-    pen->line(T_camera_part.translation(), T_camera_part * tip, colors[axis], 2 * pen->unit());
+    pen->draw(pen->trace({T_camera_part.translation(), T_camera_part * tip}), colors[axis],
+              2 * pen->unit());
   }
 }
 
@@ -134,9 +155,7 @@ cv::Mat drawOverlay(const cv::Mat& image, const Camera& camera,
   for (std::size_t rank = detections.size(); rank-- > 0;) {
     const Detection& detection = detections[rank];
     const PartModel& part = *parts.at(detection.part);
-    const cv::Scalar color = detection.face == Face::kFront ? kFrontColor : kBackColor;
-    drawOutline(&pen, part, detection, kDark, 3 * pen.unit());
-    drawOutline(&pen, part, detection, color, 2 * pen.unit());
+    drawOutline(&pen, part, detection);
     drawAxes(&pen, part, detection);
   }
   for (std::size_t rank = detections.size(); rank-- > 0;) {
