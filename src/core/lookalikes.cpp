@@ -11,33 +11,43 @@ namespace {
 constexpr int kAngles = 360;
 constexpr std::size_t kMost = 32;
 
-/// Cells of a grid near the outline, for quick "does this point lie on it".
+/// Distance to the outline's nearest sample, on a grid, up to the tolerance.
 class NearOutline {
  public:
   NearOutline(const std::vector<Eigen::Vector2d>& points, double tolerance)
-      : half_(std::min(256, static_cast<int>(4.0 / tolerance))), cells_(4 * half_ * half_, 0) {
+      : half_(std::min(256, static_cast<int>(8.0 / tolerance))),
+        tolerance_(tolerance),
+        cells_(4 * static_cast<std::size_t>(half_) * half_, static_cast<float>(tolerance)) {
     const int reach = static_cast<int>(std::ceil(tolerance * scale()));
     for (const auto& p : points) {
       const int x = cell(p.x()), y = cell(p.y());
-      for (int j = -reach; j <= reach; ++j) {
-        for (int i = -reach; i <= reach; ++i) {
-          if (i * i + j * j > reach * reach || !valid(x + i) || !valid(y + j)) continue;
-          cells_[static_cast<std::size_t>(y + j) * 2 * half_ + x + i] = 1;
+      for (int j = std::max(0, y - reach); j <= std::min(2 * half_ - 1, y + reach); ++j) {
+        for (int i = std::max(0, x - reach); i <= std::min(2 * half_ - 1, x + reach); ++i) {
+          const Eigen::Vector2d c(i + 0.5 - half_, j + 0.5 - half_);
+          float& distance = cells_[static_cast<std::size_t>(j) * 2 * half_ + i];
+          distance = std::min(distance, static_cast<float>((c / scale() - p).norm()));
         }
       }
     }
   }
-  bool operator()(const Eigen::Vector2d& p) const {
-    const int x = cell(p.x()), y = cell(p.y());
-    return valid(x) && valid(y) && cells_[static_cast<std::size_t>(y) * 2 * half_ + x] != 0;
+  bool operator()(const Eigen::Vector2d& p) const { return distance(p) < tolerance_; }
+  /// 1 on the outline, 0 from the tolerance on: unlike a count it has its peak in the right place.
+  double nearness(const Eigen::Vector2d& p) const {
+    const double off = distance(p) / tolerance_;
+    return 1.0 - off * off;
   }
 
  private:
   double scale() const { return half_ / 2.0; }  // the grid spans two radii either way
   int cell(double v) const { return half_ + static_cast<int>(std::floor(v * scale())); }
   bool valid(int c) const { return c >= 0 && c < 2 * half_; }
+  double distance(const Eigen::Vector2d& p) const {
+    const int x = cell(p.x()), y = cell(p.y());
+    return valid(x) && valid(y) ? cells_[static_cast<std::size_t>(y) * 2 * half_ + x] : tolerance_;
+  }
   int half_;
-  std::vector<std::uint8_t> cells_;
+  double tolerance_;
+  std::vector<float> cells_;
 };
 
 Eigen::Vector2d mapped(const Eigen::Vector2d& p, bool flip, double angle) {
@@ -55,8 +65,7 @@ Eigen::Isometry3d turned(const PartModel& part, const Eigen::Vector2d& c, bool f
 
 }  // namespace
 
-std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance,
-                                      double share_min) {
+std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, double share_min) {
   const Symmetry& symmetry = part.symmetry();
   std::vector<Eigen::Vector2d> shape;
   for (const auto& p : part.outline()) {
@@ -65,23 +74,29 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance,
     }
   }
   const NearOutline near(shape, tolerance);
-  const auto share = [&](bool flip, double angle) {
-    int hits = 0;
-    for (const auto& p : shape) hits += near(mapped(p, flip, angle));
-    return hits / static_cast<double>(shape.size());
+  const auto mean = [&](bool flip, double angle, auto&& of) {
+    double sum = 0.0;
+    for (const auto& p : shape) sum += of(mapped(p, flip, angle));
+    return sum / static_cast<double>(shape.size());
   };
   struct Found {
     double share, angle;
     bool flip;
   };
   std::vector<Found> found;
+  constexpr double kStep = 2.0 * M_PI / kAngles;
   for (const bool flip : {false, true}) {
-    std::vector<double> shares(kAngles);
-    for (int k = 0; k < kAngles; ++k) shares[k] = share(flip, 2.0 * M_PI * k / kAngles);
+    std::vector<double> nearness(kAngles);
+    for (int k = 0; k < kAngles; ++k) {
+      nearness[k] = mean(flip, kStep * k, [&](const auto& p) { return near.nearness(p); });
+    }
     for (int k = flip ? 0 : 1; k < kAngles; ++k) {
-      const double before = shares[(k + kAngles - 1) % kAngles], after = shares[(k + 1) % kAngles];
-      if (shares[k] < share_min || shares[k] < before || shares[k] <= after) continue;
-      found.push_back({shares[k], 2.0 * M_PI * k / kAngles, flip});
+      const double before = nearness[(k + kAngles - 1) % kAngles], here = nearness[k];
+      const double after = nearness[(k + 1) % kAngles];
+      if (here < before || here <= after) continue;
+      const double angle = kStep * (k + 0.5 * (before - after) / (before - 2.0 * here + after));
+      const double share = mean(flip, angle, near);
+      if (share >= share_min) found.push_back({share, angle, flip});
     }
   }
   // Exact symmetries of the shape matter only where a print tells them apart.
@@ -91,7 +106,7 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance,
     if (symmetry.order == 0) return true;
     const double base = f.flip ? 2.0 * symmetry.mirror_axis : 0.0;
     const double turns = (f.angle - base) * order / (2.0 * M_PI);
-    return std::abs(turns - std::round(turns)) * 2.0 * M_PI / order < 1.5 * 2.0 * M_PI / kAngles;
+    return std::abs(turns - std::round(turns)) * 2.0 * M_PI / order < 1.5 * kStep;
   };
   found.erase(std::remove_if(found.begin(), found.end(), exact), found.end());
   std::stable_sort(found.begin(), found.end(),
@@ -102,14 +117,18 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance,
     const double angle = 2.0 * M_PI * k / order;
     if (k > 0) out.push_back({turned(part, symmetry.center, false, angle), false, true, {}, {}});
     if (symmetry.mirror) {
-      out.push_back({turned(part, symmetry.center, true, 2.0 * symmetry.mirror_axis + angle), true, true,
-                     {}, {}});
+      out.push_back({turned(part, symmetry.center, true, 2.0 * symmetry.mirror_axis + angle),
+                     true,
+                     true,
+                     {},
+                     {}});
     }
   }
   for (const auto& f : found) {
     Lookalike other{turned(part, symmetry.center, f.flip, f.angle), f.flip, false, {}, {}};
     for (std::size_t i = 0; i < shape.size(); ++i) {  // shape points come first in outline()
-      if (!near(mapped(shape[i], f.flip, f.angle))) other.only_lookalike.push_back(static_cast<int>(i));
+      if (!near(mapped(shape[i], f.flip, f.angle)))
+        other.only_lookalike.push_back(static_cast<int>(i));
       const double back = f.flip ? f.angle : -f.angle;  // a mirroring is its own inverse
       if (!near(mapped(shape[i], f.flip, back))) other.only_part.push_back(static_cast<int>(i));
     }
@@ -127,7 +146,8 @@ int findNearOrder(const PartModel& part, double share_min) {
       std::count_if(part.outline().begin(), part.outline().end(),
                     [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; }));
   for (const auto& other : part.lookalikes()) {
-    if (other.flips || other.exact || other.only_lookalike.size() > (1.0 - share_min) * shape) continue;
+    if (other.flips || other.exact || other.only_lookalike.size() > (1.0 - share_min) * shape)
+      continue;
     const Eigen::Matrix3d& R = other.T_part_lookalike.linear();
     angles.push_back(std::fmod(std::atan2(R(1, 0), R(0, 0)) + 2.0 * M_PI, 2.0 * M_PI));
   }
