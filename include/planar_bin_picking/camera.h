@@ -16,10 +16,10 @@ namespace planar_bin_picking {
 class Camera {
  public:
   struct Model {
-    int width = 0, height = 0;                       ///< pixels
-    double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;   ///< pixels
-    std::string distortion_model = "plumb_bob";      ///< or rational_polynomial; "" = no distortion
-    std::vector<double> distortion;                  ///< k1 k2 p1 p2 k3 [k4 k5 k6]; empty or shorter = 0
+    int width = 0, height = 0;                      ///< pixels
+    double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< pixels
+    std::string distortion_model = "plumb_bob";     ///< or rational_polynomial; "" = no distortion
+    std::vector<double> distortion;  ///< k1 k2 p1 p2 k3 [k4 k5 k6]; empty or shorter = 0
   };
 
   /// @throws std::invalid_argument  naming the field and its value: size <= 0, fx or fy not > 0,

@@ -33,8 +33,8 @@ struct Drawing {
 /// Which layers of a drawing are edges. Patterns are matched without case; `*` stands for anything.
 struct DrawingParams {
   std::vector<std::string> keep_layers;  ///< if not empty, only these are read
-  std::vector<std::string> skip_layers = {"DIM*", "CENTER*", "TITLE*", "TEXT*", "BORDER*",
-                                          "DEFPOINTS"};
+  std::vector<std::string> skip_layers = {"DIM*",  "CENTER*", "TITLE*",
+                                          "TEXT*", "BORDER*", "DEFPOINTS"};
   std::vector<std::string> print_layers = {"PRINT*", "SILK*", "ENGRAVE*"};  ///< front face only
   double chord_tolerance_mm = 0.01;  ///< curves become chords that stay this close to them
   double join_tolerance_mm = 0.05;   ///< end points closer than this belong together

@@ -6,8 +6,8 @@
 /// itself for the last, sub-pixel step.
 ///
 /// The field lies in the ideal (undistorted) image plane, so that voting and coarse refinement need
-/// no lens model. For each pixel and each of 16 edge directions it holds the distance to the nearest
-/// edgel of about that direction (the directional chamfer distance of [2]).
+/// no lens model. For each pixel and each of 16 edge directions it holds the distance to the
+/// nearest edgel of about that direction (the directional chamfer distance of [2]).
 
 #include "planar_bin_picking/types.h"
 
@@ -20,7 +20,7 @@
 
 namespace planar_bin_picking {
 
-inline constexpr int kDirections = 16;        ///< bins of the edge normal's angle over 180 degrees
+inline constexpr int kDirections = 16;         ///< bins of the edge normal's angle over 180 degrees
 inline constexpr int kUnitsPerFieldPixel = 3;  ///< chamfer weights 3 (side) and 4 (corner)
 inline constexpr int kFarDistance = 240;       ///< units; nothing within 80 field pixels
 
@@ -46,7 +46,8 @@ struct EdgeMap {
   Field field;
   cv::Mat image;  ///< 8 bit; the caller's own where that has 8 bits, not copied
   std::size_t edgels = 0;
-  /// Standard deviation of the image's noise by grey level (256 steps of the full range), grey levels.
+  /// Standard deviation of the image's noise by grey level (256 steps of the full range), grey
+  /// levels.
   std::array<float, 256> noise{};
 };
 

@@ -4,9 +4,10 @@
 
 /// Stage 1: image -> EdgeMap.
 ///
-/// Differs from [1] Sec. II-A: edgels are the ridge of the Scharr gradient, kept by a threshold that
-/// follows the image's own noise, where they continue along their direction; [1] takes line segments (LSD).
-/// Measured in test/benchmark: same candidates, a fraction of the time, and faint edges survive.
+/// Differs from [1] Sec. II-A: edgels are the ridge of the Scharr gradient, kept by a threshold
+/// that follows the image's own noise, where they continue along their direction; [1] takes line
+/// segments (LSD). Measured in test/benchmark: same candidates, a fraction of the time, and faint
+/// edges survive.
 
 #include "planar_bin_picking/camera.h"
 #include "planar_bin_picking/edge_map.h"
@@ -16,8 +17,8 @@
 namespace planar_bin_picking {
 
 struct EdgesParams {
-  double noise_factor = 4.0;    ///< an edgel's gradient is at least this many times its noise
-  double megapixels = 1.3;      ///< edges are sought in the image shrunk to about this size
+  double noise_factor = 4.0;       ///< an edgel's gradient is at least this many times its noise
+  double megapixels = 1.3;         ///< edges are sought in the image shrunk to about this size
   double direction_cost_px = 1.0;  ///< field pixels that one direction bin off counts as
 
   template <class Self, class Visit>

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Stage 2: EdgeMap x part -> candidates, by voting over distance, yaw, x, y, face and foreshortening.
+/// Stage 2: EdgeMap x part -> candidates, by voting over distance, yaw, x, y, face and
+/// foreshortening.
 ///
-/// Differs from [1] Sec. II-B in form, not in what is counted: instead of edgels voting, each view of
-/// the outline is correlated with the distance field ([3]'s idea), whole rows of positions at a
+/// Differs from [1] Sec. II-B in form, not in what is counted: instead of edgels voting, each view
+/// of the outline is correlated with the distance field ([3]'s idea), whole rows of positions at a
 /// time. Tilt tolerance: besides the tolerance of the cells, tilted views are voted for, too.
 
 #include "planar_bin_picking/edge_map.h"
@@ -16,15 +17,15 @@
 namespace planar_bin_picking {
 
 struct HoughParams {
-  double radius_cells = 14.0;   ///< cells of the accumulator along the part's radius
-  double tolerance_cells = 1.0; ///< an edgel this far off still counts a little
+  double radius_cells = 14.0;    ///< cells of the accumulator along the part's radius
+  double tolerance_cells = 1.0;  ///< an edgel this far off still counts a little
   double yaw_step_deg = 5.0;
   double distance_step = 0.06;  ///< relative
   double tilt_max_deg = 40.0;
-  int raster_points = 96;       ///< along the outline
-  double votes_min = 0.5;       ///< share of the highest possible vote
+  int raster_points = 96;  ///< along the outline
+  double votes_min = 0.5;  ///< share of the highest possible vote
   int tile_cells = 4;
-  int max_candidates = 400;
+  int max_candidates = 800;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -36,7 +37,7 @@ struct HoughParams {
     visit("raster_points", self.raster_points, 16, 480);
     visit("votes_min", self.votes_min, 0.0, 1.0);
     visit("tile_cells", self.tile_cells, 1, 64);
-    visit("max_candidates", self.max_candidates, 1, 100000);
+    visit("max_candidates", self.max_candidates, 2, 100000);
   }
 };
 

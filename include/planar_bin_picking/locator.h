@@ -36,8 +36,8 @@ class Locator {
   /// @throws std::invalid_argument  a parameter out of its range, named by its key
   explicit Locator(const LocatorParams& params = {});
 
-  /// @param image   8- or 16-bit, one channel, of the camera's size to within 2 columns and rows at the far
-  ///                edges (some drivers pad or crop there)
+  /// @param image   8- or 16-bit, one channel, of the camera's size to within 2 columns and rows at
+  ///                the far edges (some drivers pad or crop there)
   /// @throws std::invalid_argument  image empty, of another type or size; no part; distances not
   ///         0 < min <= max
   LocateResult locate(const cv::Mat& image, const Camera& camera,

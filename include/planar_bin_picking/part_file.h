@@ -28,7 +28,8 @@ struct PartFile {
 };
 
 /// Reads `<name>.yaml` (keys: drawing, thickness_mm, keep_layers, skip_layers, print_layers,
-/// pick_poses) or a drawing alone. A drawing beside which a yaml of the same stem lies is read with it.
+/// pick_poses) or a drawing alone. A drawing beside which a yaml of the same stem lies is read with
+/// it.
 /// @throws std::runtime_error  naming file, key, value and remedy (unknown keys are refused)
 PartFile loadPartFile(const std::string& path);
 

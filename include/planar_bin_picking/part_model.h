@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// A part prepared for the stages: outline samples, symmetry and everything else that depends on the
-/// drawing alone. Made once per part, immutable, shared.
+/// A part prepared for the stages: outline samples, symmetry and everything else that depends on
+/// the drawing alone. Made once per part, immutable, shared.
 
 #include "planar_bin_picking/part_file.h"
 #include "planar_bin_picking/symmetry.h"
@@ -23,14 +23,14 @@ struct OutlinePoint {
 };
 
 /// A turn of the part (also upside down) after which most of its outline lies on itself again: a
-/// sprocket's other teeth, a plate's other way round, the face that only a print tells from the other. A
-/// pose that was found could as well be any of these.
+/// sprocket's other teeth, a plate's other way round, the face that only a print tells from the
+/// other. A pose that was found could as well be any of these.
 struct Lookalike {
   Eigen::Isometry3d T_part_lookalike = Eigen::Isometry3d::Identity();
   bool flips = false;  ///< shows the other face
   bool exact = false;  ///< the shape is symmetric; only the print differs
-  /// Shape points (indices into outline()) of the lookalike that lie off the part's own outline, and
-  /// the reverse: only these can tell the two apart.
+  /// Shape points (indices into outline()) of the lookalike that lie off the part's own outline,
+  /// and the reverse: only these can tell the two apart.
   std::vector<int> only_lookalike, only_part;
 };
 
@@ -43,14 +43,14 @@ class PartModel {
   const PartFile& file() const { return file_; }
   const Symmetry& symmetry() const { return symmetry_; }
   double thickness() const { return file_.thickness; }
-  double radius() const { return radius_; }                ///< of the circle about center(), metres
+  double radius() const { return radius_; }  ///< of the circle about center(), metres
   const Eigen::Vector2d& center() const { return center_; }  ///< of the bounding box
   bool hasPrint() const { return has_print_; }
   /// Evenly spaced along all loops, loop by loop, in order; prints at the end.
   const std::vector<OutlinePoint>& outline() const { return outline_; }
   const std::vector<Lookalike>& lookalikes() const { return lookalikes_; }
-  /// Order of the rotations after which the shape is all but the same (a sprocket's teeth): voting need not
-  /// tell these apart. 0 = full circle; at least symmetry().order.
+  /// Order of the rotations after which the shape is all but the same (a sprocket's teeth): voting
+  /// need not tell these apart. 0 = full circle; at least symmetry().order.
   int nearOrder() const { return near_order_; }
   /// z of a face in the part frame: 0 for the front, -thickness for the back.
   double faceZ(Face face) const { return face == Face::kFront ? 0.0 : -thickness(); }

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Stage 4: RefinedPose -> ScoredPose: what speaks for a pose, and how much of the part is uncovered.
+/// Stage 4: RefinedPose -> ScoredPose: what speaks for a pose, and how much of the part is
+/// uncovered.
 ///
-/// The score is the mean support (Eq. 12 of [1], noise excluded, less with distance) of outer contour, holes
-/// and print, each counting the same. Differs from [1] Sec. III-D, which averages over all points: holes are
-/// short but hardly ever matched by chance (measured in test/benchmark).
+/// The score is the mean support (Eq. 12 of [1], noise excluded, less with distance) of outer
+/// contour, holes and print, each counting the same. Differs from [1] Sec. III-D, which averages
+/// over all points: holes are short but hardly ever matched by chance (measured in test/benchmark).
 
 #include "planar_bin_picking/camera.h"
 #include "planar_bin_picking/edge_map.h"
@@ -18,12 +19,12 @@
 namespace planar_bin_picking {
 
 struct ScoreParams {
-  double threshold = 0.5;  ///< detections below are not returned
-  double reach_px = 1.5;   ///< an edge this far off the outline no longer supports it
-  int points = 256;        ///< along each of outer contour, holes, print
+  double threshold = 0.5;         ///< detections below are not returned
+  double reach_px = 1.5;          ///< an edge this far off the outline no longer supports it
+  int points = 256;               ///< along each of outer contour, holes, print
   double visible_reach_px = 3.0;  ///< the same, for what counts as seen
-  double gap_min = 0.06;   ///< share of the contour that may be faint without being covered
-  double gap_share = 0.5;  ///< of the points of such a stretch that must be seen
+  double gap_min = 0.06;          ///< share of the contour that may be faint without being covered
+  double gap_share = 0.5;         ///< of the points of such a stretch that must be seen
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

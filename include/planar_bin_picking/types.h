@@ -9,16 +9,16 @@
 ///     cv::Mat -> EdgeMap -> Candidate -> RefinedPose -> ScoredPose -> Detection
 ///               edges.h     hough.h      refine.h       score.h       rank.h
 ///
-/// Frames: `part` is the drawing's frame (x right, y up as drawn, z out of the drawn front face, the
-/// body in -thickness <= z <= 0); `camera` is the optical frame (x right, y down, z forward).
-/// Transforms are `T_target_source`: x_camera = T_camera_part * x_part. Metres and radians; anything
-/// else wears its unit in its name. Pixel (0, 0) is the centre of the top-left pixel.
+/// Frames: `part` is the drawing's frame (x right, y up as drawn, z out of the drawn front face,
+/// the body in -thickness <= z <= 0); `camera` is the optical frame (x right, y down, z forward).
+/// Transforms are `T_target_source`: x_camera = T_camera_part * x_part. Metres and radians;
+/// anything else wears its unit in its name. Pixel (0, 0) is the centre of the top-left pixel.
 ///
 /// References, cited as [n] all over the package:
-///  [1] A. Pretto, S. Tonello, E. Menegatti: Flexible 3D localization of planar objects for industrial
-///      bin-picking with monocamera vision system. IEEE CASE 2013.
-///  [2] M. Imperoli, A. Pretto: D2CO: Fast and robust registration of 3D textureless objects using the
-///      directional chamfer distance. ICVS 2015.
+///  [1] A. Pretto, S. Tonello, E. Menegatti: Flexible 3D localization of planar objects for
+///      industrial bin-picking with monocamera vision system. IEEE CASE 2013.
+///  [2] M. Imperoli, A. Pretto: D2CO: Fast and robust registration of 3D textureless objects using
+///      the directional chamfer distance. ICVS 2015.
 ///  [3] S. Hinterstoisser et al.: Gradient response maps for real-time detection of textureless
 ///      objects. IEEE TPAMI 34(5), 2012.
 ///  [4] T. Collins, A. Bartoli: Infinitesimal plane-based pose estimation. IJCV 109(3), 2014.

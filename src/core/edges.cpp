@@ -19,7 +19,8 @@ struct Base {
   int shrink = 1;
 };
 
-/// 16-bit images carry 10, 12, 14 or 16 bits, in the low ones: the highest bit in use becomes bit 7.
+/// 16-bit images carry 10, 12, 14 or 16 bits, in the low ones: the highest bit in use becomes
+/// bit 7.
 cv::Mat toEightBits(const cv::Mat& image) {
   if (image.depth() == CV_8U) return image;
   double highest = 0.0;
@@ -47,9 +48,10 @@ Base shrinkImage(const cv::Mat& image, const EdgesParams& params) {
   return base;
 }
 
-/// Noise of the base image by grey level, from small blocks: each block's median |second difference|
-/// (Gaussian noise of sigma s gives 0.6745 * sqrt(6) * s), then the median of the blocks of about that level.
-/// Edges fill few blocks, so they do not count; texture does, as it should.
+/// Noise of the base image by grey level, from small blocks: each block's median |second
+/// difference| (Gaussian noise of sigma s gives 0.6745 * sqrt(6) * s), then the median of the
+/// blocks of about that level. Edges fill few blocks, so they do not count; texture does, as it
+/// should.
 std::array<float, 256> estimateNoise(const cv::Mat& grey) {
   constexpr int kLevels = 16, kMaxDifference = 64, kBlock = 8, kFewBlocks = 20;
   constexpr float kToSigma = 1.0f / (0.6745f * 2.449f), kFinest = 0.3f;
@@ -85,8 +87,9 @@ std::array<float, 256> estimateNoise(const cv::Mat& grey) {
     sigma[level] = std::max(q / 4.0f - 0.5f, kFinest) * kToSigma;
     // Levels that only edges have: between their neighbours.
     for (int k = known + 1; k < level; ++k) {
-      sigma[k] = known < 0 ? sigma[level]
-                           : sigma[known] + (sigma[level] - sigma[known]) * (k - known) / (level - known);
+      sigma[k] = known < 0
+                     ? sigma[level]
+                     : sigma[known] + (sigma[level] - sigma[known]) * (k - known) / (level - known);
     }
     known = level;
   }
@@ -104,7 +107,8 @@ std::array<float, 256> estimateNoise(const cv::Mat& grey) {
 void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, double factor, int y0,
                 int y1, cv::Mat* marks) {
   const int w = grey.cols;
-  // Scharr's response to white noise of sigma s has sigma sqrt(2 (3^2 + 10^2 + 3^2)) s per component.
+  // Scharr's response to white noise of sigma s has sigma sqrt(2 (3^2 + 10^2 + 3^2)) s per
+  // component.
   std::array<int, 256> threshold{};
   for (int g = 0; g < 256; ++g) {
     threshold[g] = static_cast<int>(std::pow(factor * noise[g] * std::sqrt(236.0), 2));
@@ -197,9 +201,9 @@ class UndistortGrid {
     for (int j = 0; j < ny_; ++j) {
       for (int i = 0; i < nx_; ++i) {
         const double s = base.shrink, half = 0.5 * (s - 1.0);
-        const Eigen::Vector2d p = camera.undistort(
-            {std::min(i * step_, base.grey.cols - 1) * s + half,
-             std::min(j * step_, base.grey.rows - 1) * s + half});
+        const Eigen::Vector2d p =
+            camera.undistort({std::min(i * step_, base.grey.cols - 1) * s + half,
+                              std::min(j * step_, base.grey.rows - 1) * s + half});
         grid_.push_back(p);
         box.extend(p);
       }
@@ -230,7 +234,8 @@ class UndistortGrid {
   std::vector<Eigen::Vector2d> grid_;
 };
 
-/// cur = min(cur, other + cost) for all directions of a pixel. No overflow: both are <= kFarDistance.
+/// cur = min(cur, other + cost) for all directions of a pixel. No overflow: both are <=
+/// kFarDistance.
 inline void relax(std::uint8_t* cur, const std::uint8_t* other, std::uint8_t cost) {
   for (int b = 0; b < kDirections; ++b) {
     const auto v = static_cast<std::uint8_t>(other[b] + cost);
@@ -271,7 +276,8 @@ void spreadDirections(Field* field, double cost_px, int y0, int y1) {
   std::uint8_t ring[kDirections + 2];
   for (int y = y0; y < y1; ++y) {
     for (int x = 0; x < field->width; ++x) {
-      auto* p = field->distance.data() + (static_cast<std::size_t>(y) * field->width + x) * kDirections;
+      auto* p =
+          field->distance.data() + (static_cast<std::size_t>(y) * field->width + x) * kDirections;
       std::copy(p, p + kDirections, ring + 1);
       ring[0] = p[kDirections - 1];
       ring[kDirections + 1] = p[0];
@@ -310,7 +316,8 @@ EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams&
       if (row[x] == 0 || !continues(marks, x, y, row[x] - 1)) continue;
       const Eigen::Vector2d p = undistort(x, y);
       const int u = static_cast<int>(p.x() + 0.5), v = static_cast<int>(p.y() + 0.5);
-      field.distance[(static_cast<std::size_t>(v) * field.width + u) * kDirections + row[x] - 1] = 0;
+      field.distance[(static_cast<std::size_t>(v) * field.width + u) * kDirections + row[x] - 1] =
+          0;
       ++map.edgels;
     }
   }

@@ -9,8 +9,8 @@
 
 namespace planar_bin_picking {
 
-/// How well one outline point is borne out by the edge it found: Eq. (12)'s |cos|, less with distance.
-/// What is mere noise counts nothing.
+/// How well one outline point is borne out by the edge it found: Eq. (12)'s |cos|, less with
+/// distance. What is mere noise counts nothing.
 inline double supportOf(const EdgeHit& hit, double reach_px) {
   if (!hit.found) return 0.0;
   const double off = hit.offset_px / reach_px;

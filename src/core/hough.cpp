@@ -13,17 +13,18 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr int kMaxVote = 3;        // votes of a raster point that lies right on an edgel
-constexpr int kChunk = 64;         // positions of a row that are summed at a time, in registers
-constexpr int kYawSectors = 12;    // per tile, the best of each sector and face is kept
-constexpr int kFirstPoints = 32;   // after these, a chunk without hope is left
+constexpr int kMaxVote = 3;       // votes of a raster point that lies right on an edgel
+constexpr int kChunk = 64;        // positions of a row that are summed at a time, in registers
+constexpr int kYawSectors = 12;   // per tile, the best of each sector and face is kept
+constexpr int kFirstPoints = 32;  // after these, a chunk without hope is left
 
 /// Shape of the part in the image up to position: A = s R(azimuth) diag(1, f) R(yaw - azimuth) F.
 struct View {
   Face face;
   Eigen::Matrix2d A;  // part x, y (metres) -> ideal image plane
   int sector;
-  int row0 = 0, row1 = 0, col0 = 0, col1 = 0;  // cells of the centre for which the part lies inside the image
+  int row0 = 0, row1 = 0, col0 = 0,
+      col1 = 0;  // cells of the centre for which the part lies inside the image
 };
 
 /// Votes by direction on a grid of half cells, split by phase so that whole cells are neighbours.
@@ -105,7 +106,8 @@ int gcdFreeCount(int count) { return count % 37 == 0 ? count - 1 : count; }
 
 std::vector<View> makeViews(const HoughTask& task, const HoughParams& params) {
   const auto& symmetry = task.part->symmetry();
-  // The faces of a mirror symmetric outline look the same; a print tells them apart later (refine.h).
+  // The faces of a mirror symmetric outline look the same; a print tells them apart later
+  // (refine.h).
   std::vector<Face> faces = {Face::kFront};
   if (!symmetry.mirror) faces.push_back(Face::kBack);
   const int order = task.part->nearOrder();
@@ -208,7 +210,8 @@ class BestTable {
   }
   Best& at(int row, int col, int sector) {
     return table_[(static_cast<std::size_t>(row / tile_) * columns_ + col / tile_) * 2 *
-                      kYawSectors + sector];
+                      kYawSectors +
+                  sector];
   }
   std::vector<Best>& all() { return table_; }
 
@@ -227,7 +230,8 @@ void vote(const VotePlanes& planes, const View& view, int index,
   static_assert(sizeof(ByteVector) * 2 == kChunk, "a chunk is two vectors");
   for (int row = view.row0; row < view.row1; ++row) {
     for (int col = view.col0; col < view.col1; col += kChunk) {
-      const std::uint8_t* base = planes.votes.data() + static_cast<std::size_t>(row) * planes.pitch + col;
+      const std::uint8_t* base =
+          planes.votes.data() + static_cast<std::size_t>(row) * planes.pitch + col;
       ByteVector acc[2] = {};
       addPoints(base, offsets.data(), first, acc);
       if (highest(acc) < floor_first) continue;
@@ -266,8 +270,8 @@ void addCandidates(const Best& best, const View& view, const HoughTask& task,
     c.face = view.face;
     c.votes = best.votes / most;
     const Eigen::Vector2d& centre = task.part->center();
-    c.T_camera_part = poses[k] * Eigen::Translation3d(-centre.x(), -centre.y(),
-                                                      -task.part->faceZ(view.face));
+    c.T_camera_part =
+        poses[k] * Eigen::Translation3d(-centre.x(), -centre.y(), -task.part->faceZ(view.face));
     out->push_back(c);
   }
 }
@@ -304,14 +308,12 @@ std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& tas
     }
     if (b.view >= 0) best.push_back(b);
   }
-  std::sort(best.begin(), best.end(), [](const Best& a, const Best& b) {
-    return b.beatenBy(a.votes, a.view, a.row, a.col);
-  });
-  if (best.size() > static_cast<std::size_t>(params.max_candidates)) {
-    best.resize(params.max_candidates);
-  }
+  std::sort(best.begin(), best.end(),
+            [](const Best& a, const Best& b) { return b.beatenBy(a.votes, a.view, a.row, a.col); });
   std::vector<Candidate> out;
   for (const auto& b : best) {
+    // The weaker half of a pair goes with the limit, too.
+    if (out.size() + 2 > static_cast<std::size_t>(params.max_candidates)) break;
     addCandidates(b, views[b.view], task, params, field, planes,
                   kMaxVote * static_cast<double>(points.size()), &out);
   }

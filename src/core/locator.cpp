@@ -28,7 +28,9 @@ class Clock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-[[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument("locate: " + what); }
+[[noreturn]] void refuse(const std::string& what) {
+  throw std::invalid_argument("locate: " + what);
+}
 
 void check(const cv::Mat& image, const Camera& camera, const LocateRequest& request) {
   if (image.empty()) refuse("the image is empty");
@@ -36,7 +38,8 @@ void check(const cv::Mat& image, const Camera& camera, const LocateRequest& requ
     refuse("the image has " + std::to_string(image.channels()) + " channels of depth " +
            std::to_string(image.depth()) + "; give one channel of 8 or 16 bit");
   }
-  // A driver may add or drop a column or two at the far edge; more is another camera or another size.
+  // A driver may add or drop a column or two at the far edge; more is another camera or another
+  // size.
   constexpr int kSlack = 2;
   if (std::abs(image.cols - camera.model().width) > kSlack ||
       std::abs(image.rows - camera.model().height) > kSlack) {
@@ -86,8 +89,8 @@ LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
   const auto scored = scorePoses(edges, camera, request.parts, refined, params_.score, threads);
   clock.finish("score", scored.size());
 
-  result.detections = rankPoses(scored, request.parts, params_.score.threshold, request.max_parts,
-                                params_.rank);
+  result.detections =
+      rankPoses(scored, request.parts, params_.score.threshold, request.max_parts, params_.rank);
   clock.finish("rank", result.detections.size());
   return result;
 }

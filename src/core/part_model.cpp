@@ -11,7 +11,8 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr double kSamples = 512.0;     // along the whole outline: a sample every 1 to 2 mm ([1] Sec. II-B)
+constexpr double kSamples =
+    512.0;  // along the whole outline: a sample every 1 to 2 mm ([1] Sec. II-B)
 constexpr int kMinSamplesPerLoop = 12;
 
 double lengthOf(const Loop& loop) {

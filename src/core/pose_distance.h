@@ -10,9 +10,9 @@
 
 namespace planar_bin_picking {
 
-/// Largest distance, in radii of the part and across the line of sight, between the same points of two
-/// poses of the same face; modulo the outline's rotation symmetry and its lookalikes. Depth counts a
-/// quarter.
+/// Largest distance, in radii of the part and across the line of sight, between the same points of
+/// two poses of the same face; modulo the outline's rotation symmetry and its lookalikes. Depth
+/// counts a quarter.
 inline double poseDistance(const PartModel& part, const Eigen::Isometry3d& T_camera_a,
                            const Eigen::Isometry3d& T_camera_b, Face face) {
   const auto& symmetry = part.symmetry();

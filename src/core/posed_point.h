@@ -15,8 +15,8 @@ struct PosedPoint {
 };
 
 /// @return  false where the point is not in front of the camera
-inline bool posePoint(const Camera& camera, const LocalPoint& p, double radius, const Eigen::Isometry3d& T,
-            PosedPoint* out) {
+inline bool posePoint(const Camera& camera, const LocalPoint& p, double radius,
+                      const Eigen::Isometry3d& T, PosedPoint* out) {
   const Eigen::Vector3d x = T.linear().col(0), y = T.linear().col(1);
   const Eigen::Vector3d q = T.translation() + radius * (p.x * x + p.y * y);
   if (q.z() <= 1e-6) return false;
@@ -24,19 +24,22 @@ inline bool posePoint(const Camera& camera, const LocalPoint& p, double radius, 
   Eigen::Matrix2d lens;
   out->pixel = camera.distort({u, v}, &lens);
   const Eigen::Vector3d along = p.tx * x + p.ty * y, out_of = p.ty * x - p.tx * y;
-  const Eigen::Vector2d t = lens * Eigen::Vector2d(along.x() - u * along.z(), along.y() - v * along.z());
-  const Eigen::Vector2d o = lens * Eigen::Vector2d(out_of.x() - u * out_of.z(), out_of.y() - v * out_of.z());
+  const Eigen::Vector2d t =
+      lens * Eigen::Vector2d(along.x() - u * along.z(), along.y() - v * along.z());
+  const Eigen::Vector2d o =
+      lens * Eigen::Vector2d(out_of.x() - u * out_of.z(), out_of.y() - v * out_of.z());
   out->normal = Eigen::Vector2d(t.y(), -t.x()).normalized();
   if (out->normal.dot(o) < 0.0) out->normal = -out->normal;
   const Eigen::Vector2d n_ideal = lens.transpose() * out->normal;
   out->g_local = T.linear().transpose() *
-                 (radius * inv_z * Eigen::Vector3d(n_ideal.x(), n_ideal.y(),
-                                                   -(n_ideal.x() * u + n_ideal.y() * v)));
+                 (radius * inv_z *
+                  Eigen::Vector3d(n_ideal.x(), n_ideal.y(), -(n_ideal.x() * u + n_ideal.y() * v)));
   out->out_px = out->normal.dot(o) * radius * inv_z;
   return true;
 }
 
-/// d(normal . pixel) / d(xi), xi = [translation in radii; rotation] on the right of T_camera_centre.
+/// d(normal . pixel) / d(xi), xi = [translation in radii; rotation] on the right of
+/// T_camera_centre.
 inline Vector6d normalJacobian(const LocalPoint& p, const PosedPoint& at) {
   const Eigen::Vector3d& g = at.g_local;
   Vector6d J;

@@ -21,7 +21,8 @@ Mask maskOf(const PartModel& part, const ScoredPose& pose) {
   int k = 0;
   for (const auto& p : part.outline()) {
     if (p.kind != LoopKind::kOuter || k++ % kStride != 0) continue;
-    const Eigen::Vector3d q = pose.T_camera_part * Eigen::Vector3d(p.position.x(), p.position.y(), z);
+    const Eigen::Vector3d q =
+        pose.T_camera_part * Eigen::Vector3d(p.position.x(), p.position.y(), z);
     mask.outer.push_back(q.hnormalized());
     mask.box.extend(mask.outer.back());
   }
@@ -68,10 +69,11 @@ std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
     if (s.score >= score_min) order.push_back(&s);
   }
   // What lies free is picked first: a covered part may score high on what is left of it.
-  const auto merit = [](const ScoredPose* s) { return s->score * s->visible_fraction * s->visible_fraction; };
-  std::stable_sort(order.begin(), order.end(), [&](const ScoredPose* a, const ScoredPose* b) {
-    return merit(a) > merit(b);
-  });
+  const auto merit = [](const ScoredPose* s) {
+    return s->score * s->visible_fraction * s->visible_fraction;
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const ScoredPose* a, const ScoredPose* b) { return merit(a) > merit(b); });
   std::vector<Detection> out;
   std::vector<Mask> masks;
   for (const auto* s : order) {

@@ -19,7 +19,8 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr ImageReach kNarrow{4, true, 1.0};
-constexpr double kTiltUnsure = 0.03;  // a lead in support that decides nothing about the tilt's sign
+constexpr double kTiltUnsure =
+    0.03;  // a lead in support that decides nothing about the tilt's sign
 
 /// A pose on its way through the levels, with its support at the last one.
 struct Tracked {
@@ -37,6 +38,7 @@ struct Tracked {
 struct Outline {
   const PartModel* part;
   std::vector<LocalPoint> field, wide, fine, print;
+  double inset_sigma = 0.0;  // metres
 };
 
 class Refiner {
@@ -50,7 +52,7 @@ class Refiner {
       outlines_.push_back({part.get(), localPoints(*part, params.field_points, is_shape),
                            localPoints(*part, params.wide_points, is_shape),
                            localPoints(*part, params.image_points, is_shape),
-                           localPoints(*part, params.image_points, is_print)});
+                           localPoints(*part, params.image_points, is_print), 0.0});
     }
   }
 
@@ -60,14 +62,13 @@ class Refiner {
       const auto& c = candidates[i];
       const auto& outline = outlines_[c.part];
       const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, c.face);
-      const auto settled =
-          settleInField(edges_.field, outline.field, outline.part->radius(),
-                        c.T_camera_part * T_part_centre,
-                        params_.field_reach_radii * edges_.field.focal * outline.part->radius() /
-                            c.T_camera_part.translation().z(),
-                        params_);
-      poses[i] = {c.part, c.face, settled.T_camera_centre * T_part_centre.inverse(),
-                  settled.support, {}};
+      const auto settled = settleInField(
+          edges_.field, outline.field, outline.part->radius(), c.T_camera_part * T_part_centre,
+          params_.field_reach_radii * edges_.field.focal * outline.part->radius() /
+              c.T_camera_part.translation().z(),
+          params_);
+      poses[i] = {
+          c.part, c.face, settled.T_camera_centre * T_part_centre.inverse(), settled.support, {}};
     });
     return poses;
   }
@@ -105,12 +106,18 @@ class Refiner {
     parallelFor(static_cast<int>(poses->size()), threads_, [&](int i) { step(&(*poses)[i]); });
   }
 
-  /// Restarts about a settled pose, since a neighbour's edge or a shadow may hold a side of the outline
-  /// and with it the pose: farther and nearer ([1] Sec. III-E goes farther only), tilted to all sides.
+  /// Restarts about a settled pose, since a neighbour's edge or a shadow may hold a side of the
+  /// outline and with it the pose: farther and nearer ([1] Sec. III-E goes farther only), tilted to
+  /// all sides.
   void searchAround(Tracked* pose) const {
-    static const std::array<std::array<double, 3>, 8> kSteps = {
-        {{0.03, 0, 0}, {-0.03, 0, 0}, {0.06, 0, 0}, {0, 0.12, 0}, {0, -0.12, 0}, {0, 0, 0.12},
-         {0, 0, -0.12}, {-0.06, 0, 0}}};
+    static const std::array<std::array<double, 3>, 8> kSteps = {{{0.03, 0, 0},
+                                                                 {-0.03, 0, 0},
+                                                                 {0.06, 0, 0},
+                                                                 {0, 0.12, 0},
+                                                                 {0, -0.12, 0},
+                                                                 {0, 0, 0.12},
+                                                                 {0, 0, -0.12},
+                                                                 {-0.06, 0, 0}}};
     const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose->part].part, pose->face);
     for (int round = 0; round < 2; ++round) {
       const Tracked from = *pose;
@@ -144,10 +151,10 @@ class Refiner {
                                     std::size_t most) const;
   RefinedPose finish(const Tracked& pose) const;
 
-  /// How far the strongest gradient lies inside the drawn outline, metres: a bevelled or rounded cut
-  /// edge shifts all edges of all copies by about the same. One number per part and image, from all
-  /// well supported poses; it counts as unknown +- kPrior beforehand.
-  double jointInset(const std::vector<Tracked>& poses, std::size_t part) const {
+  /// How far the strongest gradient lies inside the drawn outline, metres: a bevelled or rounded
+  /// cut edge shifts all edges of all copies by about the same. One number per part and image, from
+  /// all well supported poses; it counts as unknown +- kPrior beforehand.
+  void estimateInset(const std::vector<Tracked>& poses, std::size_t part) {
     constexpr double kPrior = 0.15e-3, kSpread = 0.05e-3;
     double sum = 0.0, weight = 1.0 / (kPrior * kPrior);
     const double radius = outlines_[part].part->radius();
@@ -158,11 +165,11 @@ class Refiner {
       sum += radius * p.image.inset / variance;
       weight += 1.0 / variance;
     }
-    return sum / weight;
+    applyInset(part, sum / weight, std::sqrt(1.0 / weight));
   }
 
-  /// Parts rest on one another and on one floor: where the image cannot tell the tilt's sign, the one
-  /// nearer to the way most parts lie is taken.
+  /// Parts rest on one another and on one floor: where the image cannot tell the tilt's sign, the
+  /// one nearer to the way most parts lie is taken.
   void settleTilts(std::vector<Tracked>* poses) const {
     constexpr double kAlike = 0.2;  // about 12 degrees
     const auto up = [](const Eigen::Isometry3d& T) -> Eigen::Vector3d {
@@ -193,7 +200,8 @@ class Refiner {
     }
   }
 
-  void setInset(std::size_t part, double inset) {
+  void applyInset(std::size_t part, double inset, double sigma) {
+    outlines_[part].inset_sigma = sigma;
     for (auto* points : {&outlines_[part].wide, &outlines_[part].fine}) {
       for (auto& p : *points) {
         p.x -= inset / outlines_[part].part->radius() * p.ty;
@@ -211,7 +219,8 @@ class Refiner {
     return meanSupport(hits, 2.5);
   }
 
-  double supportOn(const Tracked& pose, const PartModel& part, const std::vector<int>& indices) const {
+  double supportOn(const Tracked& pose, const PartModel& part,
+                   const std::vector<int>& indices) const {
     std::vector<LocalPoint> points;
     for (const int i : indices) points.push_back(localPoint(part, i));
     return supportAt(pose, points);
@@ -254,7 +263,8 @@ class Refiner {
     if (twin->support < pose->support - 0.1) return;
     alignNarrow(&*twin);
     const double gain = twin->support - pose->support;
-    const bool apart = (twin->T_camera_part.linear().col(2) - pose->T_camera_part.linear().col(2)).norm() > 0.05;
+    const bool apart =
+        (twin->T_camera_part.linear().col(2) - pose->T_camera_part.linear().col(2)).norm() > 0.05;
     twin->T_camera_twin = pose->T_camera_part;
     pose->T_camera_twin = twin->T_camera_part;
     twin->ambiguous = pose->ambiguous = apart && std::abs(gain) < kTiltUnsure;
@@ -356,14 +366,17 @@ RefinedPose Refiner::finish(const Tracked& pose) const {
   out.face = pose.face;
   out.T_camera_part = pose.T_camera_part;
   out.residual_px = pose.image.residual_px;
-  const double variance = std::max(1e-4, out.residual_px * out.residual_px);
-  Matrix6d H = pose.image.information / variance;
-  H.diagonal().array() += 1e-6;
-  const double r = outlines_[pose.part].part->radius();
+  const Outline& outline = outlines_[pose.part];
+  const double r = outline.part->radius();
+  // Below what any edge is good for: a tenth of a pixel over the whole outline is never beaten.
+  constexpr double kFloorPx = 0.02;
+  const double floor = kFloorPx * pose.T_camera_part.translation().z() / (camera_.model().fx * r);
+  const Vector6d per_inset = pose.image.per_inset * (outline.inset_sigma / r);
+  Matrix6d covariance = pose.image.covariance + per_inset * per_inset.transpose();
+  covariance.diagonal().array() += floor * floor;
   Vector6d unit;
   unit << r, r, r, 1.0, 1.0, 1.0;
-  out.covariance =
-      unit.asDiagonal() * H.ldlt().solve(Matrix6d::Identity()) * unit.asDiagonal();
+  out.covariance = unit.asDiagonal() * covariance * unit.asDiagonal();
   return out;
 }
 
@@ -389,8 +402,7 @@ std::vector<RefinedPose> refineCandidates(
   poses = refiner.withoutTwins(std::move(poses), 0.02, params.search_support_min, params.max_poses);
   refiner.settleTilts(&poses);
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    const double inset = refiner.jointInset(poses, k);
-    refiner.setInset(k, inset);
+    refiner.estimateInset(poses, k);
   }
   refiner.forAll(&poses, [&](auto* p) { refiner.alignNarrow(p); });
   std::vector<RefinedPose> out;

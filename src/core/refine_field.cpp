@@ -11,12 +11,13 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr double kReachDecay = 0.85;  // per iteration
-constexpr double kTiltWeight = 20.0;  // of the penalty, per point: 10 degrees count like one radius off
+constexpr double kTiltWeight =
+    20.0;  // of the penalty, per point: 10 degrees count like one radius off
 
 /// A point's place in the field: its direction bin is renewed only now and then.
 struct Seen {
-  double u, v;     // field pixels
-  double iu, iv;   // ideal image plane
+  double u, v;    // field pixels
+  double iu, iv;  // ideal image plane
   double inv_z;
 };
 
@@ -59,7 +60,8 @@ void addTiltPenalty(const Eigen::Isometry3d& T, double limit, double weight, Nor
   const double c = std::min(1.0, std::abs(T.linear()(2, 2)));
   const double tilt = std::acos(c);
   if (tilt <= limit) return;
-  // d tilt / d rotation about local x, y: the normal is local z, and z_camera in local axes is row 2.
+  // d tilt / d rotation about local x, y: the normal is local z, and z_camera in local axes is
+  // row 2.
   const Eigen::Vector3d z = T.linear().row(2).transpose() * (T.linear()(2, 2) > 0 ? 1.0 : -1.0);
   const double s = std::max(1e-6, std::sqrt(z.x() * z.x() + z.y() * z.y()));
   Vector6d J = Vector6d::Zero();

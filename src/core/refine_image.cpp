@@ -13,13 +13,13 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr int kTaps = 3;       // of the derivative filter on either side
+constexpr int kTaps = 3;  // of the derivative filter on either side
 constexpr int kMaxReach = 16;
-constexpr float kAside = 1.0f;  // pixels between a pair's profiles and the point
+constexpr float kAside = 1.0f;        // pixels between a pair's profiles and the point
 constexpr double kNoiseFactor = 4.0;  // an edge on a profile is this far above the noise
 
-/// Grey levels along a straight line of unit steps, added to sum[0..n). Fixed point: 16 fractional bits for
-/// the position, 8 for the weights.
+/// Grey levels along a straight line of unit steps, added to sum[0..n). Fixed point: 16 fractional
+/// bits for the position, 8 for the weights.
 void addProfile(const cv::Mat& image, float x0, float y0, float dx, float dy, int n, float* sum) {
   constexpr float kOne = 65536.0f;
   int x = static_cast<int>(x0 * kOne), y = static_cast<int>(y0 * kOne);
@@ -49,13 +49,14 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
                  const std::array<float, kTaps>& taps) {
   const int half = reach.reach_px + kTaps + 1, n = 2 * half + 1;
   EdgeHit hit;
-  const auto &image = edges.image;
+  const auto& image = edges.image;
   const double span = half + 2.0;
   if (at.pixel.x() < span || at.pixel.y() < span || at.pixel.x() > image.cols - 2 - span ||
       at.pixel.y() > image.rows - 2 - span) {
     return hit;
   }
-  // One profile through the point, or one to either side, which tells the gradient's direction, too.
+  // One profile through the point, or one to either side, which tells the gradient's direction,
+  // too.
   std::array<float, 2 * (kMaxReach + kTaps + 1) + 1> sum{}, other{};
   const float nx = static_cast<float>(at.normal.x()), ny = static_cast<float>(at.normal.y());
   const float x0 = static_cast<float>(at.pixel.x()) - half * nx;
@@ -83,7 +84,8 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
   float best = 0.0f;
   for (int i = 1; i + 1 < m; ++i) {
     const float a = std::abs(slope[i]);
-    if (a < kNoiseFactor * noise || a < std::abs(slope[i - 1]) || a <= std::abs(slope[i + 1])) continue;
+    if (a < kNoiseFactor * noise || a < std::abs(slope[i - 1]) || a <= std::abs(slope[i + 1]))
+      continue;
     const float l = std::abs(slope[i - 1]), r = std::abs(slope[i + 1]);
     const float curve = l - 2 * a + r;
     const float at_px = i - reach.reach_px - 1 + (curve < 0.0f ? 0.5f * (l - r) / curve : 0.0f);
@@ -158,28 +160,41 @@ WeightedSystem weigh(const std::vector<Row>& rows, const Vector6d& xi, double tu
   return s;
 }
 
-/// Pose and inset together, by the final weights; the pose is then eliminated.
-void estimateInset(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
-                   ImagePose* out) {
+/// Covariance of the settled pose, and pose and inset together by the final weights.
+void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, ImagePose* out) {
+  constexpr int kStretches = 24;
   const double inv2 = 1.0 / (tukey_px * tukey_px);
+  WeightedSystem s = weigh(rows, xi, tukey_px);
   Vector6d h = Vector6d::Zero();
   double hh = 0.0, c = 0.0;
-  WeightedSystem s = weigh(rows, xi, tukey_px);
-  for (const auto& row : rows) {
+  Matrix6d meat = Matrix6d::Zero();
+  Vector6d stretch = Vector6d::Zero();
+  const int n = static_cast<int>(rows.size());
+  for (int i = 0; i < n; ++i) {
+    const Row& row = rows[i];
     const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r * inv2;
-    if (e <= 0.0) continue;
-    const double w = e * e;
-    // The predicted edge moves inward: its offset along the outward normal falls by inset * out_px.
-    h += (-w * row.out_px) * row.J;
-    hh += w * row.out_px * row.out_px;
-    c += -w * row.out_px * r;
+    if (e > 0.0) {
+      const double w = e * e;
+      stretch += (w * r) * row.J;
+      // The predicted edge moves inward: its offset along the outward normal falls by inset *
+      // out_px.
+      h -= (w * row.out_px) * row.J;
+      hh += w * row.out_px * row.out_px;
+      c -= w * row.out_px * r;
+    }
+    if ((i + 1) * kStretches / n != i * kStretches / n) {
+      meat += stretch * stretch.transpose();
+      stretch.setZero();
+    }
   }
-  s.H.diagonal().array() += 1e-9 * s.H.trace() + 1e-12;
+  s.H.diagonal().array() += 1e-6 * s.H.trace() + 1e-12;
   const auto solver = s.H.ldlt();
+  const Matrix6d inverse = solver.solve(Matrix6d::Identity());
+  out->covariance = inverse * meat * inverse * (kStretches / (kStretches - 6.0));
+  out->per_inset = -solver.solve(h);
   out->inset_information = std::max(0.0, hh - h.dot(solver.solve(h)));
-  out->inset = out->inset_information > 0.0
-                   ? -(c - h.dot(solver.solve(s.b))) / out->inset_information
-                   : 0.0;
+  out->inset =
+      out->inset_information > 0.0 ? -(c - h.dot(solver.solve(s.b))) / out->inset_information : 0.0;
 }
 
 double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
@@ -217,8 +232,8 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
   out.T_camera_centre = T_camera_centre;
   Vector6d xi = Vector6d::Zero();
   WeightedSystem system = weigh(rows, xi, tukey_px);
-  // Levenberg-Marquardt: the rotation about a slender part's axis is so weakly held that undamped steps
-  // leap.
+  // Levenberg-Marquardt: the rotation about a slender part's axis is so weakly held that undamped
+  // steps leap.
   double lambda = 1e-3;
   for (int k = 0; k < 5 && system.used >= 8; ++k) {
     Matrix6d H = system.H;
@@ -238,11 +253,10 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
     if (settled) break;
   }
   out.used = system.used;
-  out.information = system.H;
   if (out.used < 8) return out;
   out.T_camera_centre = stepped(T_camera_centre, xi, radius);
   out.residual_px = robustSpread(rows, xi, tukey_px);
-  estimateInset(rows, xi, tukey_px, &out);
+  judge(rows, xi, tukey_px, &out);
   return out;
 }
 

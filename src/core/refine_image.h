@@ -15,11 +15,11 @@ namespace planar_bin_picking {
 
 /// The edge that one outline point found on its normal.
 struct EdgeHit {
-  bool found = false;         ///< an edge above the noise within reach
-  float offset_px = 0.0f;     ///< along the outward normal; negative = inside the outline
-  float contrast = 0.0f;      ///< grey levels across the edge, outside minus inside
-  float strength = 0.0f;      ///< |contrast| over its noise
-  float cosine = 0.0f;        ///< |cos| between image gradient and normal, Eq. (12)
+  bool found = false;      ///< an edge above the noise within reach
+  float offset_px = 0.0f;  ///< along the outward normal; negative = inside the outline
+  float contrast = 0.0f;   ///< grey levels across the edge, outside minus inside
+  float strength = 0.0f;   ///< |contrast| over its noise
+  float cosine = 0.0f;     ///< |cos| between image gradient and normal, Eq. (12)
 };
 
 struct ImageReach {
@@ -36,15 +36,20 @@ void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<Loca
 struct ImagePose {
   Eigen::Isometry3d T_camera_centre;
   double residual_px = 0.0;  ///< robust standard deviation of the offsets
-  Matrix6d information = Matrix6d::Zero();  ///< of xi (translation in radii), for unit variance in pixels
-  int used = 0;              ///< points with a weight
-  /// By how much the edges lie inside the outline everywhere (a bevelled cut edge), as this pose alone tells:
-  /// in radii, and its information for unit variance in pixels with the pose unknown, too.
+  /// Of xi (translation in radii). Neighbouring points err alike (light, bevel, a neighbour's
+  /// edge), so stretches of the outline count as the independent observations: the cluster-robust
+  /// (sandwich) estimate.
+  Matrix6d covariance = Matrix6d::Zero();
+  Vector6d per_inset = Vector6d::Zero();  ///< how xi follows an error of the inset, both in radii
+  int used = 0;                           ///< points with a weight
+  /// By how much the edges lie inside the outline everywhere (a bevelled cut edge), as this pose
+  /// alone tells: in radii, and its information for unit variance in pixels with the pose unknown,
+  /// too.
   double inset = 0.0, inset_information = 0.0;
 };
 
-/// One association and a few damped, re-weighted Gauss-Newton steps with Tukey weights of width `tukey_px`.
-/// Cost: O(points * reach).
+/// One association and a few damped, re-weighted Gauss-Newton steps with Tukey weights of width
+/// `tukey_px`. Cost: O(points * reach).
 ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
                       const std::vector<LocalPoint>& points, double radius,
                       const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,

@@ -28,8 +28,8 @@ Groups groupsOf(const PartModel& part, int count) {
   return out;
 }
 
-/// Share of the outer contour that is seen, faint stretches bridged: an estimate of the share of the
-/// face that nothing covers. (Cutting off what lies beyond the chord of each gap, the obvious
+/// Share of the outer contour that is seen, faint stretches bridged: an estimate of the share of
+/// the face that nothing covers. (Cutting off what lies beyond the chord of each gap, the obvious
 /// alternative, is further from the truth: most covers lie across a part, not over a corner of it.)
 double visibleFraction(const std::vector<EdgeHit>& hits, const ScoreParams& params) {
   const int n = static_cast<int>(hits.size());

@@ -194,13 +194,17 @@ TEST_F(Locate, PosesMatchTruth) {
   RecordProperty("found", static_cast<int>(response().parts.size()));
 }
 
+// What lies free comes first, see rank.h.
 TEST_F(Locate, RankedBestFirst) {
   const auto& parts = response().parts;
+  const auto merit = [](const LocatedPart& part) {
+    return part.score * part.visible_fraction * part.visible_fraction;
+  };
   for (std::size_t i = 0; i < parts.size(); ++i) {
     EXPECT_GE(parts[i].score, 0.0);
     EXPECT_LE(parts[i].score, 1.0);
     EXPECT_NE(parts[i].child_frame.find(parts[i].part + "_"), std::string::npos);
-    EXPECT_GE(parts[i > 0 ? i - 1 : i].score, parts[i].score);
+    EXPECT_GE(merit(parts[i > 0 ? i - 1 : i]) + 1e-6, merit(parts[i]));
     EXPECT_GT(parts[i].pose.covariance[0], 0.0);
   }
 }
