@@ -35,18 +35,31 @@ void addProfile(const cv::Mat& image, float x0, float y0, float dx, float dy, in
   }
 }
 
-/// Derivative-of-Gaussian taps for j = 1..kTaps; a unit step answers with 1.
-std::array<float, kTaps> derivativeTaps(double sigma) {
-  std::array<float, kTaps> f{};
+/// Filters for a step and for a line, j = -kTaps..kTaps: derivatives of a Gaussian, odd and even.
+struct Taps {
+  std::array<float, kTaps> odd{};       // j = 1..kTaps; a unit step answers with 1
+  std::array<float, kTaps + 1> even{};  // j = 0..kTaps; sums to zero
+};
+
+Taps tapsOf(double sigma) {
+  // Of the even filter: between sqrt(1/3) and 1 the energy odd^2 + even^2 has one peak, in the
+  // middle, both of a blurred step and of a blurred line.
+  constexpr double kEven = 0.8;
+  Taps f;
   double sum = 0.0;
-  for (int j = 1; j <= kTaps; ++j) sum += f[j - 1] = j * std::exp(-0.5 * j * j / (sigma * sigma));
-  for (auto& v : f) v = static_cast<float>(v / sum);
+  for (int j = 1; j <= kTaps; ++j) sum += j * std::exp(-0.5 * j * j / (sigma * sigma));
+  for (int j = 1; j <= kTaps; ++j) {
+    const double q = j * j / (sigma * sigma), gauss = std::exp(-0.5 * q) / sum;
+    f.odd[j - 1] = static_cast<float>(j * gauss);
+    f.even[j] = static_cast<float>(kEven * sigma * (1.0 - q) * gauss);
+    f.even[0] -= 2.0f * f.even[j];
+  }
   return f;
 }
 
 /// The strongest edge, nearer ones preferred.
 EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& reach,
-                 const std::array<float, kTaps>& taps) {
+                 const Taps& taps) {
   const int half = reach.reach_px + kTaps + 1, n = 2 * half + 1;
   EdgeHit hit;
   const auto& image = edges.image;
@@ -72,21 +85,25 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
     across[k] = (sum[k] - other[k]) / (2.0f * kAside);
     sum[k] = 0.5f * (sum[k] + other[k]);
   }
-  std::array<float, 2 * kMaxReach + 3> slope{};
-  const int m = 2 * reach.reach_px + 3;  // slope[i] stands at offset i - reach_px - 1
+  // Local energy: where plates of one kind lie on one another, their contour is a dark or bright
+  // line as often as a step, and the steps on either side of it are no contour.
+  std::array<float, 2 * kMaxReach + 3> energy{};
+  const int m = 2 * reach.reach_px + 3;  // energy[i] stands at offset i - reach_px - 1
   for (int i = 0; i < m; ++i) {
-    float s = 0.0f;
-    for (int j = 1; j <= kTaps; ++j) s += taps[j - 1] * (sum[i + kTaps + j] - sum[i + kTaps - j]);
-    slope[i] = s;
+    const float* const p = sum.data() + i + kTaps;
+    float step = 0.0f, line = taps.even[0] * p[0];
+    for (int j = 1; j <= kTaps; ++j) {
+      step += taps.odd[j - 1] * (p[j] - p[-j]);
+      line += taps.even[j] * (p[j] + p[-j]);
+    }
+    energy[i] = std::sqrt(step * step + line * line);
   }
   const auto level = static_cast<int>(sum[half]);
   const float noise = edges.noise[std::clamp(level, 0, 255)];
   float best = 0.0f;
   for (int i = 1; i + 1 < m; ++i) {
-    const float a = std::abs(slope[i]);
-    if (a < kNoiseFactor * noise || a < std::abs(slope[i - 1]) || a <= std::abs(slope[i + 1]))
-      continue;
-    const float l = std::abs(slope[i - 1]), r = std::abs(slope[i + 1]);
+    const float a = energy[i], l = energy[i - 1], r = energy[i + 1];
+    if (a < kNoiseFactor * noise || a < l || a <= r) continue;
     const float curve = l - 2 * a + r;
     const float at_px = i - reach.reach_px - 1 + (curve < 0.0f ? 0.5f * (l - r) / curve : 0.0f);
     const float near = at_px / (reach.reach_px + 1.0f);
@@ -96,13 +113,11 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
     best = merit;
     hit.found = true;
     hit.offset_px = at_px;
-    hit.contrast = slope[i];
-    hit.strength = a / noise;
     if (reach.paired) {
       const int c = i + kTaps;
       const float t = (across[c - 1] + across[c] + across[c + 1]) / 3.0f;
-      const float g = 0.5f * slope[i];  // a blurred step of height 1 has a slope of about one half
-      hit.cosine = std::abs(g) / std::sqrt(g * g + t * t);
+      const float g = 0.5f * a;  // a blurred step of height 1 has a slope of about one half
+      hit.cosine = g / std::sqrt(g * g + t * t);
     } else {
       hit.cosine = 1.0f;
     }
@@ -115,7 +130,7 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
 void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
               double radius, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
               std::vector<EdgeHit>* hits) {
-  const auto taps = derivativeTaps(reach.sigma_px);
+  const auto taps = tapsOf(reach.sigma_px);
   hits->resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     PosedPoint at;
@@ -214,7 +229,7 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
                       const std::vector<LocalPoint>& points, double radius,
                       const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
                       double tukey_px) {
-  const auto taps = derivativeTaps(reach.sigma_px);
+  const auto taps = tapsOf(reach.sigma_px);
   std::vector<Row> rows;
   rows.reserve(points.size());
   for (const auto& p : points) {

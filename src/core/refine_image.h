@@ -17,8 +17,6 @@ namespace planar_bin_picking {
 struct EdgeHit {
   bool found = false;      ///< an edge above the noise within reach
   float offset_px = 0.0f;  ///< along the outward normal; negative = inside the outline
-  float contrast = 0.0f;   ///< grey levels across the edge, outside minus inside
-  float strength = 0.0f;   ///< |contrast| over its noise
   float cosine = 0.0f;     ///< |cos| between image gradient and normal, Eq. (12)
 };
 
