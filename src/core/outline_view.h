@@ -45,6 +45,14 @@ std::vector<LocalPoint> localPoints(const PartModel& part, int count, Wanted&& w
   return out;
 }
 
+/// Moved into the material by `inset` radii: where the edges of a bevelled cut are seen.
+inline void moveInward(double inset, std::vector<LocalPoint>* points) {
+  for (auto& p : *points) {
+    p.x -= inset * p.ty;
+    p.y += inset * p.tx;
+  }
+}
+
 /// T_part_centre of a face.
 inline Eigen::Isometry3d centreOf(const PartModel& part, Face face) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();

@@ -6,6 +6,7 @@
 #include "parallel.h"
 #include "plane_pose.h"
 #include "pose_distance.h"
+#include "print_evidence.h"
 #include "refine_field.h"
 #include "refine_image.h"
 
@@ -18,7 +19,7 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr ImageReach kNarrow{4, true, 1.0};
+constexpr ImageReach kNarrow{4, true, 0.8};
 constexpr double kTiltUnsure =
     0.03;  // a lead in support that decides nothing about the tilt's sign
 
@@ -38,7 +39,7 @@ struct Tracked {
 struct Outline {
   const PartModel* part;
   std::vector<LocalPoint> field, wide, fine, print;
-  double inset_sigma = 0.0;  // metres
+  double inset = 0.0, inset_sigma = 0.0;  // metres
 };
 
 class Refiner {
@@ -52,7 +53,7 @@ class Refiner {
       outlines_.push_back({part.get(), localPoints(*part, params.field_points, is_shape),
                            localPoints(*part, params.wide_points, is_shape),
                            localPoints(*part, params.image_points, is_shape),
-                           localPoints(*part, params.image_points, is_print), 0.0});
+                           localPoints(*part, params.image_points, is_print)});
     }
   }
 
@@ -201,12 +202,11 @@ class Refiner {
   }
 
   void applyInset(std::size_t part, double inset, double sigma) {
-    outlines_[part].inset_sigma = sigma;
-    for (auto* points : {&outlines_[part].wide, &outlines_[part].fine}) {
-      for (auto& p : *points) {
-        p.x -= inset / outlines_[part].part->radius() * p.ty;
-        p.y += inset / outlines_[part].part->radius() * p.tx;
-      }
+    Outline& outline = outlines_[part];
+    outline.inset = inset;
+    outline.inset_sigma = sigma;
+    for (auto* points : {&outline.wide, &outline.fine}) {
+      moveInward(inset / outline.part->radius(), points);
     }
   }
 
@@ -304,7 +304,8 @@ class Refiner {
         back = twin;
         return;
       }
-      const double support = supportAt(twin, outline.print);
+      const double support = printSupport(edges_, camera_, outline.print, outline.part->radius(),
+                                          twin.T_camera_part * centreOf(*outline.part, twin.face));
       if (support > print) {
         print = support;
         front = twin;
@@ -368,6 +369,7 @@ RefinedPose Refiner::finish(const Tracked& pose) const {
   out.residual_px = pose.image.residual_px;
   const Outline& outline = outlines_[pose.part];
   const double r = outline.part->radius();
+  out.inset = outline.inset;
   // Below what any edge is good for: a tenth of a pixel over the whole outline is never beaten.
   constexpr double kFloorPx = 0.02;
   const double floor = kFloorPx * pose.T_camera_part.translation().z() / (camera_.model().fx * r);

@@ -3,6 +3,7 @@
 #include "refine_image.h"
 
 #include "posed_point.h"
+#include "profile.h"
 
 #include <Eigen/Cholesky>
 
@@ -18,23 +19,6 @@ constexpr int kMaxReach = 16;
 constexpr float kAside = 1.0f;        // pixels between a pair's profiles and the point
 constexpr double kNoiseFactor = 4.0;  // an edge on a profile is this far above the noise
 
-/// Grey levels along a straight line of unit steps, added to sum[0..n). Fixed point: 16 fractional
-/// bits for the position, 8 for the weights.
-void addProfile(const cv::Mat& image, float x0, float y0, float dx, float dy, int n, float* sum) {
-  constexpr float kOne = 65536.0f;
-  int x = static_cast<int>(x0 * kOne), y = static_cast<int>(y0 * kOne);
-  const int step_x = static_cast<int>(dx * kOne), step_y = static_cast<int>(dy * kOne);
-  const std::uint8_t* const data = image.data;
-  const auto row = static_cast<std::ptrdiff_t>(image.step);
-  for (int k = 0; k < n; ++k, x += step_x, y += step_y) {
-    const std::uint8_t* p = data + (y >> 16) * row + (x >> 16);
-    const int a = (x >> 8) & 255, b = (y >> 8) & 255;
-    const int top = (p[0] << 8) + a * (p[1] - p[0]);
-    const int bottom = (p[row] << 8) + a * (p[row + 1] - p[row]);
-    sum[k] += static_cast<float>((top << 8) + b * (bottom - top)) * (1.0f / 65536.0f);
-  }
-}
-
 /// Filters for a step and for a line, j = -kTaps..kTaps: derivatives of a Gaussian, odd and even.
 struct Taps {
   std::array<float, kTaps> odd{};       // j = 1..kTaps; a unit step answers with 1
@@ -44,7 +28,7 @@ struct Taps {
 Taps tapsOf(double sigma) {
   // Of the even filter: between sqrt(1/3) and 1 the energy odd^2 + even^2 has one peak, in the
   // middle, both of a blurred step and of a blurred line.
-  constexpr double kEven = 0.8;
+  constexpr double kEven = 0.95;
   Taps f;
   double sum = 0.0;
   for (int j = 1; j <= kTaps; ++j) sum += j * std::exp(-0.5 * j * j / (sigma * sigma));
@@ -63,11 +47,7 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
   const int half = reach.reach_px + kTaps + 1, n = 2 * half + 1;
   EdgeHit hit;
   const auto& image = edges.image;
-  const double span = half + 2.0;
-  if (at.pixel.x() < span || at.pixel.y() < span || at.pixel.x() > image.cols - 2 - span ||
-      at.pixel.y() > image.rows - 2 - span) {
-    return hit;
-  }
+  if (!fitsInside(image, at.pixel, half + 2.0)) return hit;
   // One profile through the point, or one to either side, which tells the gradient's direction,
   // too.
   std::array<float, 2 * (kMaxReach + kTaps + 1) + 1> sum{}, other{};

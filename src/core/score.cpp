@@ -5,6 +5,7 @@
 #include "evidence.h"
 #include "outline_view.h"
 #include "parallel.h"
+#include "print_evidence.h"
 
 #include <array>
 #include <cmath>
@@ -12,7 +13,7 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr ImageReach kReach{3, true, 1.0};
+constexpr ImageReach kReach{3, true, 0.8};
 
 /// The outline's points by kind, in order along the loops.
 struct Groups {
@@ -63,12 +64,17 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
     double sum = 0.0;
     int count = 0;
     for (const auto kind : {LoopKind::kOuter, LoopKind::kHole, LoopKind::kPrint}) {
-      const auto& points = groups[r.part].points[static_cast<int>(kind)];
+      auto points = groups[r.part].points[static_cast<int>(kind)];
       if (points.empty() || (kind == LoopKind::kPrint && r.face == Face::kBack)) continue;
+      ++count;
+      if (kind == LoopKind::kPrint) {
+        sum += printSupport(edges, camera, points, part.radius(), T);
+        continue;
+      }
+      moveInward(r.inset / part.radius(), &points);
       std::vector<EdgeHit> hits;
       findHits(edges, camera, points, part.radius(), T, kReach, &hits);
       sum += meanSupport(hits, params.reach_px);
-      ++count;
       if (kind == LoopKind::kOuter) out[i].visible_fraction = visibleFraction(hits, params);
     }
     out[i].score = sum / count;
