@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evidence.h"
+#include "plane_pose.h"
+#include "pose_distance.h"
+#include "print_evidence.h"
+#include "refiner.h"
+
+#include <algorithm>
+#include <cmath>
+
+/// Refiner's choice between poses that look alike.
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr double kTiltUnsure =
+    0.03;  // a lead in support that decides nothing about the tilt's sign
+
+Tracked twinOf(const Tracked& pose, const Lookalike& other) {
+  Tracked twin = pose;
+  twin.T_camera_part = pose.T_camera_part * other.T_part_lookalike;
+  if (other.flips) twin.face = pose.face == Face::kFront ? Face::kBack : Face::kFront;
+  return twin;
+}
+
+}  // namespace
+
+std::vector<Tracked> Refiner::withoutTwins(std::vector<Tracked> poses, double distance,
+                                           double support_min, std::size_t most) const {
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Tracked& a, const Tracked& b) { return a.support > b.support; });
+  std::vector<Tracked> kept;
+  for (const auto& p : poses) {
+    if (kept.size() >= most || p.support < support_min) break;
+    const auto& part = *outlines_[p.part].part;
+    const bool twin = std::any_of(kept.begin(), kept.end(), [&](const Tracked& k) {
+      return k.part == p.part && k.face == p.face &&
+             poseDistance(part, k.T_camera_part, p.T_camera_part, p.face) < distance;
+    });
+    if (!twin) kept.push_back(p);
+  }
+  return kept;
+}
+
+std::vector<Tracked> Refiner::withoutOutdone(const std::vector<Tracked>& poses) const {
+  constexpr double kSamePlace = 0.35, kClearly = 0.12;  // radii; support
+  std::vector<Tracked> kept;
+  const auto centre = [&](const Tracked& p) -> Eigen::Vector3d {
+    return p.T_camera_part * centreOf(*outlines_[p.part].part, p.face).translation();
+  };
+  for (const auto& p : poses) {
+    const Eigen::Vector3d c = centre(p);
+    const double reach = kSamePlace * outlines_[p.part].part->radius() / c.z();
+    const bool outdone = std::any_of(poses.begin(), poses.end(), [&](const Tracked& o) {
+      return o.part == p.part && o.support > p.support + kClearly &&
+             (centre(o).hnormalized() - c.hnormalized()).norm() < reach;
+    });
+    if (!outdone) kept.push_back(p);
+  }
+  return kept;
+}
+
+void Refiner::resolve(Tracked* pose) const {
+  resolveTilt(pose);
+  resolveShape(pose);
+  resolvePrint(pose);
+}
+
+double Refiner::supportOn(const Tracked& pose, const PartModel& part,
+                          const std::vector<int>& indices) const {
+  std::vector<LocalPoint> points;
+  for (const int i : indices) points.push_back(localPoint(part, i));
+  return supportAt(pose, points);
+}
+
+/// The plane that looks nearly the same: tilted the other way about the line of sight ([4]).
+std::optional<Tracked> Refiner::tiltTwin(const Tracked& pose) const {
+  constexpr double kTilted = 0.07;    // normals closer than this (4 degrees) refine into each other
+  constexpr double kSlackDeg = 10.0;  // a start only: it may settle within the limit
+  const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose.part].part, pose.face);
+  const Eigen::Isometry3d T = pose.T_camera_part * T_part_centre;
+  const Eigen::Vector2d p = T.translation().hnormalized();
+  Eigen::Matrix<double, 2, 3> project;
+  project << 1, 0, -p.x(), 0, 1, -p.y();
+  const Eigen::Matrix2d A = project * T.linear().leftCols<2>() / T.translation().z();
+  const auto poses = posesFromAffine(A, p);
+  const auto apart = [&](int k) { return (poses[k].linear().col(2) - T.linear().col(2)).norm(); };
+  const auto& other = poses[apart(0) > apart(1) ? 0 : 1];
+  const double tilt = std::acos(std::min(1.0, std::abs(other.linear()(2, 2))));
+  if ((other.linear().col(2) - T.linear().col(2)).norm() < kTilted ||
+      tilt > (params_.tilt_limit_deg + kSlackDeg) * M_PI / 180.0) {
+    return std::nullopt;
+  }
+  Tracked twin = pose;
+  twin.T_camera_part = other * T_part_centre.inverse();
+  return twin;
+}
+
+void Refiner::resolveTilt(Tracked* pose) const {
+  auto twin = tiltTwin(*pose);
+  if (!twin) return;
+  alignWide(&*twin);
+  if (twin->support < pose->support - 0.1) return;
+  alignNarrow(&*twin);
+  const double gain = twin->support - pose->support;
+  const bool apart =
+      (twin->T_camera_part.linear().col(2) - pose->T_camera_part.linear().col(2)).norm() > 0.05;
+  twin->T_camera_twin = pose->T_camera_part;
+  pose->T_camera_twin = twin->T_camera_part;
+  twin->ambiguous = pose->ambiguous = apart && std::abs(gain) < kTiltUnsure;
+  if (gain > 0.0) *pose = *twin;
+}
+
+void Refiner::resolveShape(Tracked* pose) const {
+  Tracked best = *pose;
+  double best_gain = 0.0;
+  const auto& part = *outlines_[pose->part].part;
+  const auto gain = [&](const Tracked& twin, const Lookalike& other) {
+    return supportOn(twin, part, other.only_lookalike) - supportOn(*pose, part, other.only_part);
+  };
+  for (const auto& other : part.lookalikes()) {
+    if (other.exact) continue;
+    Tracked twin = twinOf(*pose, other);
+    constexpr double kHopeless = -0.3;  // what an alignment does not make up for
+    if (gain(twin, other) < std::max(kHopeless, best_gain - 0.5)) continue;
+    alignNarrow(&twin);
+    const double gained = gain(twin, other);
+    if (gained > best_gain) {
+      best_gain = gained;
+      best = twin;
+    }
+  }
+  *pose = best;
+}
+
+/// Of a printed part the front is up where at least half of the print is borne out.
+void Refiner::resolvePrint(Tracked* pose) const {
+  const auto& outline = outlines_[pose->part];
+  if (outline.print.empty()) return;
+  Tracked front = *pose, back = *pose;
+  double print = -1.0;
+  const auto consider = [&](const Tracked& twin) {
+    if (twin.face == Face::kBack) {
+      back = twin;
+      return;
+    }
+    const double support = printSupport(edges_, camera_, outline.print, outline.part->radius(),
+                                        twin.T_camera_part * centreOf(*outline.part, twin.face));
+    if (support > print) {
+      print = support;
+      front = twin;
+    }
+  };
+  consider(*pose);
+  for (const auto& other : outline.part->lookalikes()) {
+    if (other.exact) consider(twinOf(*pose, other));
+  }
+  *pose = print > 0.5 ? front : back;
+}
+
+void Refiner::settleTilts(std::vector<Tracked>* poses) const {
+  constexpr double kAlike = 0.2;  // about 12 degrees
+  const auto up = [](const Eigen::Isometry3d& T) -> Eigen::Vector3d {
+    return T.linear().col(2) * (T.linear()(2, 2) > 0.0 ? -1.0 : 1.0);
+  };
+  Eigen::Vector3d common = Eigen::Vector3d::Zero();
+  double most = 0.0;
+  for (const auto& p : *poses) {
+    const Eigen::Vector3d n = up(p.T_camera_part);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double weight = 0.0;
+    for (const auto& o : *poses) {
+      const double w = o.support * (o.ambiguous ? 0.3 : 1.0);
+      if ((up(o.T_camera_part) - n).norm() > kAlike) continue;
+      weight += w;
+      sum += w * up(o.T_camera_part);
+    }
+    if (weight > most) {
+      most = weight;
+      common = sum.normalized();
+    }
+  }
+  for (auto& p : *poses) {
+    if (!p.ambiguous) continue;
+    const double here = (up(p.T_camera_part) - common).norm();
+    const double twin = (up(p.T_camera_twin) - common).norm();
+    if (twin < 0.6 * here) std::swap(p.T_camera_part, p.T_camera_twin);
+  }
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Steps of stage 3 that refine.cpp puts in order: poses on their way from candidate to
+/// RefinedPose.
+
+#include "outline_view.h"
+#include "parallel.h"
+#include "planar_bin_picking/camera.h"
+#include "planar_bin_picking/edge_map.h"
+#include "planar_bin_picking/part_model.h"
+#include "planar_bin_picking/refine.h"
+#include "refine_image.h"
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// A pose on its way through the levels, with its support at the last one.
+struct Tracked {
+  std::size_t part;
+  Face face;
+  Eigen::Isometry3d T_camera_part;
+  double support;
+  ImagePose image;
+  /// The same, tilted the other way, where the image cannot tell (else as T_camera_part).
+  Eigen::Isometry3d T_camera_twin = Eigen::Isometry3d::Identity();
+  bool ambiguous = false;
+};
+
+/// The shape's points where the edges of one face are seen.
+struct FaceOutline {
+  std::vector<LocalPoint> wide, fine;
+  double inset = 0.0, inset_sigma = 0.0;  // metres
+};
+
+/// What the levels need of a part, made once per call.
+struct Outline {
+  const PartModel* part;
+  std::vector<LocalPoint> field, print;
+  std::array<FaceOutline, 2> faces;  // by Face
+
+  const FaceOutline& of(Face face) const { return faces[static_cast<int>(face)]; }
+};
+
+class Refiner {
+ public:
+  Refiner(const EdgeMap& edges, const Camera& camera, const RefineParams& params,
+          const std::vector<std::shared_ptr<const PartModel>>& parts, int threads);
+
+  template <class Step>
+  void forAll(std::vector<Tracked>* poses, Step&& step) const {
+    parallelFor(static_cast<int>(poses->size()), threads_, [&](int i) { step(&(*poses)[i]); });
+  }
+
+  /// In the distance field.
+  std::vector<Tracked> settle(const std::vector<Candidate>& candidates) const;
+  /// In the image, from what the field leaves (a small share of the part's size) to within the
+  /// narrow reach.
+  void alignWide(Tracked* pose) const;
+  void alignNarrow(Tracked* pose) const;
+  /// Restarts about a settled pose, since a neighbour's edge or a shadow may hold a side of the
+  /// outline and with it the pose: farther and nearer ([1] Sec. III-E goes farther only), tilted to
+  /// all sides.
+  void searchAround(Tracked* pose) const;
+
+  /// Best first; of poses that agree within `distance` radii only the best stays.
+  std::vector<Tracked> withoutTwins(std::vector<Tracked> poses, double distance, double support_min,
+                                    std::size_t most) const;
+  /// Without those that a clearly better pose of the same place outdoes.
+  std::vector<Tracked> withoutOutdone(const std::vector<Tracked>& poses) const;
+
+  /// Each pose gives way to its best lookalike.
+  void resolve(Tracked* pose) const;
+  /// Parts rest on one another and on one floor: where the image cannot tell the tilt's sign, the
+  /// one nearer to the way most parts lie is taken.
+  void settleTilts(std::vector<Tracked>* poses) const;
+
+  /// How far the edges are seen inside the drawn outline: a bevelled, rounded or sheared cut shifts
+  /// the edges of all copies by about the same, those of the two faces by different amounts. One
+  /// number per part and face, from all well supported poses, unknown +- 0.15 mm beforehand; from
+  /// then on the outline is taken to lie there.
+  void estimateInsets(const std::vector<Tracked>& poses);
+
+  RefinedPose finish(const Tracked& pose) const;
+
+ private:
+  template <std::size_t N>
+  void align(const std::vector<LocalPoint>& points, const ImageReach& reach,
+             const std::array<double, N>& tukey_px, Tracked* pose) const;
+  double supportAt(const Tracked& pose, const std::vector<LocalPoint>& points) const;
+  double supportOn(const Tracked& pose, const PartModel& part,
+                   const std::vector<int>& indices) const;
+  std::optional<Tracked> tiltTwin(const Tracked& pose) const;
+  void resolveTilt(Tracked* pose) const;
+  void resolveShape(Tracked* pose) const;
+  void resolvePrint(Tracked* pose) const;
+  void estimateInset(const std::vector<Tracked>& poses, std::size_t part, Face face);
+
+  const EdgeMap& edges_;
+  const Camera& camera_;
+  const RefineParams& params_;
+  int threads_;
+  std::vector<Outline> outlines_;
+};
+
+}  // namespace planar_bin_picking
