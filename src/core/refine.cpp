@@ -13,6 +13,8 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr ImageReach kNarrow{4, true, 0.8};
+// Pixels off the outline at which an edge no longer supports it, before narrow alignment.
+constexpr double kSupportWide = 2.5;
 constexpr double kSure = 0.7;  // poses so well supported tell where edges lie
 
 }  // namespace
@@ -61,7 +63,7 @@ void Refiner::align(const std::vector<LocalPoint>& points, const ImageReach& rea
                               pose->image.T_camera_centre, reach, tukey);
   }
   pose->T_camera_part = pose->image.T_camera_centre * T_part_centre.inverse();
-  pose->support = supportAt(*pose, points);
+  pose->support = supportAt(*pose, points, reach.paired ? kSupportNarrow : kSupportWide);
 }
 
 void Refiner::alignWide(Tracked* pose) const {
@@ -104,12 +106,13 @@ void Refiner::searchAround(Tracked* pose) const {
   }
 }
 
-double Refiner::supportAt(const Tracked& pose, const std::vector<LocalPoint>& points) const {
+double Refiner::supportAt(const Tracked& pose, const std::vector<LocalPoint>& points,
+                          double reach_px) const {
   std::vector<EdgeHit> hits;
   const auto& part = *outlines_[pose.part].part;
   findHits(edges_, camera_, points, part.radius(), pose.T_camera_part * centreOf(part, pose.face),
            kNarrow, &hits);
-  return meanSupport(hits, 2.5);
+  return meanSupport(hits, reach_px);
 }
 
 RefinedPose Refiner::finish(const Tracked& pose) const {

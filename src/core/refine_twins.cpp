@@ -71,7 +71,7 @@ double Refiner::supportOn(const Tracked& pose, const PartModel& part,
                           const std::vector<int>& indices) const {
   std::vector<LocalPoint> points;
   for (const int i : indices) points.push_back(localPoint(part, i));
-  return supportAt(pose, points);
+  return supportAt(pose, points, kSupportNarrow);
 }
 
 /// The plane that looks nearly the same: tilted the other way about the line of sight ([4]).

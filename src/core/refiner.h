@@ -47,6 +47,9 @@ struct Outline {
   const FaceOutline& of(Face face) const { return faces[static_cast<int>(face)]; }
 };
 
+/// Pixels off the outline at which an edge no longer supports it, after narrow alignment.
+inline constexpr double kSupportNarrow = 1.7;
+
 class Refiner {
  public:
   Refiner(const EdgeMap& edges, const Camera& camera, const RefineParams& params,
@@ -92,7 +95,8 @@ class Refiner {
   template <std::size_t N>
   void align(const std::vector<LocalPoint>& points, const ImageReach& reach,
              const std::array<double, N>& tukey_px, Tracked* pose) const;
-  double supportAt(const Tracked& pose, const std::vector<LocalPoint>& points) const;
+  double supportAt(const Tracked& pose, const std::vector<LocalPoint>& points,
+                   double reach_px) const;
   double supportOn(const Tracked& pose, const PartModel& part,
                    const std::vector<int>& indices) const;
   std::optional<Tracked> tiltTwin(const Tracked& pose) const;
