@@ -15,6 +15,7 @@ namespace {
 constexpr ImageReach kNarrow{4, true, 0.8};
 // Pixels off the outline at which an edge no longer supports it, before narrow alignment.
 constexpr double kSupportWide = 2.5;
+constexpr int kSearchRounds = 2;
 constexpr double kSure = 0.7;  // poses so well supported tell where edges lie
 
 }  // namespace
@@ -25,7 +26,8 @@ Refiner::Refiner(const EdgeMap& edges, const Camera& camera, const RefineParams&
   const auto is_shape = [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; };
   const auto is_print = [](const OutlinePoint& p) { return p.kind == LoopKind::kPrint; };
   for (const auto& part : parts) {
-    const FaceOutline face{localPoints(*part, params.wide_points, is_shape),
+    const FaceOutline face{localPoints(*part, params.wide_points / 2, is_shape),
+                           localPoints(*part, params.wide_points, is_shape),
                            localPoints(*part, params.image_points, is_shape)};
     outlines_.push_back({part.get(),
                          localPoints(*part, params.field_points, is_shape),
@@ -66,10 +68,14 @@ void Refiner::align(const std::vector<LocalPoint>& points, const ImageReach& rea
   pose->support = supportAt(*pose, points, reach.paired ? kSupportNarrow : kSupportWide);
 }
 
+int Refiner::wideReach(const Tracked& pose) const {
+  const double radius_px = camera_.model().fx * outlines_[pose.part].part->radius() /
+                           pose.T_camera_part.translation().z();
+  return std::clamp(static_cast<int>(std::lround(0.03 * radius_px)), 6, 14);
+}
+
 void Refiner::alignWide(Tracked* pose) const {
-  const double radius_px = camera_.model().fx * outlines_[pose->part].part->radius() /
-                           pose->T_camera_part.translation().z();
-  const int reach = std::clamp(static_cast<int>(std::lround(0.03 * radius_px)), 6, 14);
+  const int reach = wideReach(*pose);
   align(outlines_[pose->part].of(pose->face).wide, {reach, false, 1.2},
         std::array<double, 3>{1.0 * reach, 0.7 * reach, 4.0}, pose);
 }
@@ -87,23 +93,25 @@ void Refiner::searchAround(Tracked* pose) const {
                                                                {0, 0, 0.12},
                                                                {0, 0, -0.12},
                                                                {-0.06, 0, 0}}};
+  if (pose->support > params_.search_below) return;
+  const auto& points = outlines_[pose->part].of(pose->face).coarse;
   const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose->part].part, pose->face);
-  for (int round = 0; round < 2; ++round) {
-    const Tracked from = *pose;
-    for (const auto& step : kSteps) {
-      if (pose->support > params_.search_below) return;
-      Tracked other = from;
-      Eigen::Isometry3d T = from.T_camera_part * T_part_centre;
-      T.translation() *= 1.0 + step[0];
-      T.linear() = T.linear() * (Eigen::AngleAxisd(step[1], Eigen::Vector3d::UnitX()) *
-                                 Eigen::AngleAxisd(step[2], Eigen::Vector3d::UnitY()))
-                                    .toRotationMatrix();
-      other.T_camera_part = T * T_part_centre.inverse();
-      alignWide(&other);
-      if (other.support > pose->support) *pose = other;
-    }
-    if (pose->support < from.support + 0.02) return;
+  Tracked best = *pose;
+  best.support = supportAt(*pose, points, kSupportWide);
+  for (const auto& step : kSteps) {
+    Tracked other = *pose;
+    Eigen::Isometry3d T = pose->T_camera_part * T_part_centre;
+    T.translation() *= 1.0 + step[0];
+    T.linear() = T.linear() * (Eigen::AngleAxisd(step[1], Eigen::Vector3d::UnitX()) *
+                               Eigen::AngleAxisd(step[2], Eigen::Vector3d::UnitY()))
+                                  .toRotationMatrix();
+    other.T_camera_part = T * T_part_centre.inverse();
+    const int reach = wideReach(other);
+    align(points, {reach, false, 1.2}, std::array<double, 2>{1.0 * reach, 0.5 * reach}, &other);
+    if (other.support > best.support) best = other;
   }
+  alignWide(&best);
+  if (best.support > pose->support) *pose = best;
 }
 
 double Refiner::supportAt(const Tracked& pose, const std::vector<LocalPoint>& points,
@@ -142,22 +150,25 @@ std::vector<RefinedPose> refineCandidates(
     const std::vector<Candidate>& candidates, const RefineParams& params, int threads) {
   Refiner refiner(edges, camera, params, parts, threads);
   auto poses = refiner.settle(candidates);
-  poses = refiner.withoutTwins(std::move(poses), 0.04, params.field_support_min, params.max_poses);
+  poses = refiner.withoutTwins(std::move(poses), 0.04, params.field_support_min);
   refiner.forAll(&poses, [&](auto* p) { refiner.alignWide(p); });
-  poses = refiner.withoutTwins(std::move(poses), 0.02, params.image_support_min, params.max_poses);
+  poses = refiner.withoutTwins(std::move(poses), 0.02, params.image_support_min);
   poses = refiner.withoutOutdone(poses);
   refiner.forAll(&poses, [&](auto* p) {
     if (p->support > kSure) refiner.alignNarrow(p);
   });
   refiner.estimateInsets(poses);
-  refiner.forAll(&poses, [&](auto* p) { refiner.searchAround(p); });
-  poses = refiner.withoutTwins(std::move(poses), 0.02, params.search_support_min, params.max_poses);
-  poses = refiner.withoutOutdone(poses);
+  for (int round = 0; round < kSearchRounds; ++round) {
+    refiner.forAll(&poses, [&](auto* p) { refiner.searchAround(p); });
+    poses = refiner.withoutTwins(std::move(poses), 0.02, params.image_support_min);
+    poses = refiner.withoutOutdone(poses);
+  }
+  poses = refiner.withoutTwins(std::move(poses), 0.02, params.search_support_min);
   refiner.forAll(&poses, [&](auto* p) {
     refiner.alignNarrow(p);
     refiner.resolve(p);
   });
-  poses = refiner.withoutTwins(std::move(poses), 0.02, params.search_support_min, params.max_poses);
+  poses = refiner.withoutTwins(std::move(poses), 0.02, params.search_support_min);
   refiner.settleTilts(&poses);
   refiner.estimateInsets(poses);
   refiner.forAll(&poses, [&](auto* p) { refiner.alignNarrow(p); });

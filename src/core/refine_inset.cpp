@@ -20,7 +20,7 @@ void Refiner::estimateInset(const std::vector<Tracked>& poses, std::size_t part,
     weight += 1.0 / variance;
   }
   const double inset = sum / weight;
-  for (auto* points : {&outline.wide, &outline.fine}) {
+  for (auto* points : {&outline.coarse, &outline.wide, &outline.fine}) {
     moveInward((inset - outline.inset) / radius, points);
   }
   outline.inset = inset;

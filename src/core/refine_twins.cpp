@@ -27,18 +27,22 @@ Tracked twinOf(const Tracked& pose, const Lookalike& other) {
 }  // namespace
 
 std::vector<Tracked> Refiner::withoutTwins(std::vector<Tracked> poses, double distance,
-                                           double support_min, std::size_t most) const {
+                                           double support_min) const {
   std::stable_sort(poses.begin(), poses.end(),
                    [](const Tracked& a, const Tracked& b) { return a.support > b.support; });
   std::vector<Tracked> kept;
+  std::vector<int> count(outlines_.size(), 0);
   for (const auto& p : poses) {
-    if (kept.size() >= most || p.support < support_min) break;
+    if (p.support < support_min) break;
+    if (count[p.part] >= params_.max_poses) continue;
     const auto& part = *outlines_[p.part].part;
     const bool twin = std::any_of(kept.begin(), kept.end(), [&](const Tracked& k) {
       return k.part == p.part && k.face == p.face &&
              poseDistance(part, k.T_camera_part, p.T_camera_part, p.face) < distance;
     });
-    if (!twin) kept.push_back(p);
+    if (twin) continue;
+    kept.push_back(p);
+    ++count[p.part];
   }
   return kept;
 }

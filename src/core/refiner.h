@@ -34,7 +34,7 @@ struct Tracked {
 
 /// The shape's points where the edges of one face are seen.
 struct FaceOutline {
-  std::vector<LocalPoint> wide, fine;
+  std::vector<LocalPoint> coarse, wide, fine;
   double inset = 0.0, inset_sigma = 0.0;  // metres
 };
 
@@ -71,9 +71,10 @@ class Refiner {
   /// all sides.
   void searchAround(Tracked* pose) const;
 
-  /// Best first; of poses that agree within `distance` radii only the best stays.
-  std::vector<Tracked> withoutTwins(std::vector<Tracked> poses, double distance, double support_min,
-                                    std::size_t most) const;
+  /// Best first, at most max_poses of a part; of poses that agree within `distance` radii only the
+  /// best stays.
+  std::vector<Tracked> withoutTwins(std::vector<Tracked> poses, double distance,
+                                    double support_min) const;
   /// Without those that a clearly better pose of the same place outdoes.
   std::vector<Tracked> withoutOutdone(const std::vector<Tracked>& poses) const;
 
@@ -92,6 +93,7 @@ class Refiner {
   RefinedPose finish(const Tracked& pose) const;
 
  private:
+  int wideReach(const Tracked& pose) const;
   template <std::size_t N>
   void align(const std::vector<LocalPoint>& points, const ImageReach& reach,
              const std::array<double, N>& tukey_px, Tracked* pose) const;
