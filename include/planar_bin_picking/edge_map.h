@@ -13,6 +13,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -24,10 +25,15 @@ inline constexpr int kDirections = 16;         ///< bins of the edge normal's an
 inline constexpr int kUnitsPerFieldPixel = 3;  ///< chamfer weights 3 (side) and 4 (corner)
 inline constexpr int kFarDistance = 240;       ///< units; nothing within 80 field pixels
 
-/// Bin of a normal's direction, sign ignored.
+/// Bin of a normal's direction, sign ignored; exact to 0.3 degrees.
 inline int directionBin(double nx, double ny) {
-  const double turns = std::atan2(ny, nx) * (kDirections / M_PI);
-  return static_cast<int>(std::floor(turns + 0.5 + 2 * kDirections)) % kDirections;
+  const double x = std::abs(nx), y = std::abs(ny);
+  const double low = std::min(x, y), high = std::max({x, y, 1e-300});
+  const double q = low / high;
+  double turns = q * (0.97239411 - 0.19194795 * q * q) * (kDirections / M_PI);  // atan(q)
+  if (y > x) turns = 0.5 * kDirections - turns;
+  if ((nx < 0.0) != (ny < 0.0)) turns = kDirections - turns;
+  return static_cast<int>(turns + 0.5) % kDirections;
 }
 
 /// u = focal * x/z + cx, v = focal * y/z + cy; pixel (0, 0) is the centre of the first field pixel.

@@ -199,6 +199,19 @@ static std::uint8_t highest(const ByteVector* acc) {
   return m;
 }
 
+/// Adds to the sums and tells the highest.
+PBP_SIMD
+static std::uint16_t addUp(const ByteVector* acc, std::uint16_t* sums) {
+  std::uint8_t values[kChunk];
+  std::memcpy(values, acc, kChunk);
+  std::uint16_t m = 0;
+  for (int i = 0; i < kChunk; ++i) {
+    sums[i] = static_cast<std::uint16_t>(sums[i] + values[i]);
+    m = sums[i] > m ? sums[i] : m;
+  }
+  return m;
+}
+
 namespace {
 
 /// The best position of each tile and yaw sector.
@@ -235,16 +248,14 @@ void vote(const VotePlanes& planes, const View& view, int index,
       ByteVector acc[2] = {};
       addPoints(base, offsets.data(), first, acc);
       if (highest(acc) < floor_first) continue;
-      std::uint16_t sums[kChunk];
-      std::uint8_t part[kChunk];
-      std::memcpy(part, acc, kChunk);
-      for (int i = 0; i < kChunk; ++i) sums[i] = part[i];
+      std::uint16_t sums[kChunk] = {};
+      std::uint16_t most = addUp(acc, sums);
       for (int from = first; from < count; from += 80) {  // 80 * 3 votes fit into a byte
         ByteVector more[2] = {};
         addPoints(base, offsets.data() + from, std::min(80, count - from), more);
-        std::memcpy(part, more, kChunk);
-        for (int i = 0; i < kChunk; ++i) sums[i] = static_cast<std::uint16_t>(sums[i] + part[i]);
+        most = addUp(more, sums);
       }
+      if (most < floor_all) continue;
       const int end = std::min(kChunk, view.col1 - col);
       for (int i = 0; i < end; ++i) {
         if (sums[i] < floor_all) continue;

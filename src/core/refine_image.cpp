@@ -4,6 +4,7 @@
 
 #include "posed_point.h"
 #include "profile.h"
+#include "simd.h"
 
 #include <Eigen/Cholesky>
 
@@ -41,6 +42,25 @@ Taps tapsOf(double sigma) {
   return f;
 }
 
+}  // namespace
+
+/// energy[i] = |(step, line)| at p[i], for i in 0..m-1; reads p[-kTaps] to p[m - 1 + kTaps].
+PBP_SIMD
+static void localEnergy(const float* p, const Taps& taps, int m, float* energy) {
+  static_assert(kTaps == 3, "written out, so that the compiler takes several i at once");
+  const float o1 = taps.odd[0], o2 = taps.odd[1], o3 = taps.odd[2];
+  const float e0 = taps.even[0], e1 = taps.even[1], e2 = taps.even[2], e3 = taps.even[3];
+  for (int i = 0; i < m; ++i) {
+    const float* const q = p + i;
+    const float step = o1 * (q[1] - q[-1]) + o2 * (q[2] - q[-2]) + o3 * (q[3] - q[-3]);
+    const float line =
+        e0 * q[0] + e1 * (q[1] + q[-1]) + e2 * (q[2] + q[-2]) + e3 * (q[3] + q[-3]);
+    energy[i] = std::sqrt(step * step + line * line);
+  }
+}
+
+namespace {
+
 /// The strongest edge, nearer ones preferred.
 EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& reach,
                  const Taps& taps) {
@@ -69,15 +89,7 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
   // line as often as a step, and the steps on either side of it are no contour.
   std::array<float, 2 * kMaxReach + 3> energy{};
   const int m = 2 * reach.reach_px + 3;  // energy[i] stands at offset i - reach_px - 1
-  for (int i = 0; i < m; ++i) {
-    const float* const p = sum.data() + i + kTaps;
-    float step = 0.0f, line = taps.even[0] * p[0];
-    for (int j = 1; j <= kTaps; ++j) {
-      step += taps.odd[j - 1] * (p[j] - p[-j]);
-      line += taps.even[j] * (p[j] + p[-j]);
-    }
-    energy[i] = std::sqrt(step * step + line * line);
-  }
+  localEnergy(sum.data() + kTaps, taps, m, energy.data());
   const auto level = static_cast<int>(sum[half]);
   const float noise = edges.noise[std::clamp(level, 0, 255)];
   float best = 0.0f;
