@@ -23,7 +23,7 @@ namespace planar_bin_picking {
 
 inline constexpr int kDirections = 16;         ///< bins of the edge normal's angle over 180 degrees
 inline constexpr int kUnitsPerFieldPixel = 3;  ///< chamfer weights 3 (side) and 4 (corner)
-inline constexpr int kFarDistance = 240;       ///< units; nothing within 80 field pixels
+inline constexpr int kFarDistance = 120;       ///< units; nothing within 40 field pixels
 
 /// Bin of a normal's direction, sign ignored; exact to 0.3 degrees.
 inline int directionBin(double nx, double ny) {

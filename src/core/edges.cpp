@@ -243,11 +243,9 @@ inline void relax(std::uint8_t* cur, const std::uint8_t* other, std::uint8_t cos
   }
 }
 
-/// Two-pass 3-4 chamfer distance transform of all directions at once.
-void distanceTransform(Field* field) {
-  const int w = field->width, h = field->height;
+/// Two-pass 3-4 chamfer distance transform of all directions at once, of `h` rows of `w` pixels.
+void distanceTransform(int w, int h, std::uint8_t* d) {
   const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(w) * kDirections;
-  std::uint8_t* const d = field->distance.data();
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       std::uint8_t* p = d + y * row + x * kDirections;
@@ -268,6 +266,23 @@ void distanceTransform(Field* field) {
       if (x > 0) relax(p, p + row - kDirections, 4);
     }
   }
+}
+
+/// The transform of the field in bands, each with as many more rows as the farthest distance spans:
+/// the same result on any number of threads.
+void distanceTransform(Field* field, int threads) {
+  constexpr int kHalo = kFarDistance / kUnitsPerFieldPixel;
+  const int h = field->height;
+  const std::size_t row = static_cast<std::size_t>(field->width) * kDirections;
+  const std::vector<std::uint8_t> edgels = field->distance;
+  parallelFor(threads, threads, [&](int band) {
+    const int y0 = h * band / threads, y1 = h * (band + 1) / threads;
+    const int from = std::max(0, y0 - kHalo), to = std::min(h, y1 + kHalo);
+    std::vector<std::uint8_t> rows(edgels.begin() + from * row, edgels.begin() + to * row);
+    distanceTransform(field->width, to - from, rows.data());
+    std::copy(rows.begin() + (y0 - from) * row, rows.begin() + (y1 - from) * row,
+              field->distance.begin() + y0 * row);
+  });
 }
 
 /// An edge of a neighbouring direction serves too, at a cost ([2]).
@@ -321,7 +336,7 @@ EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams&
       ++map.edgels;
     }
   }
-  distanceTransform(&field);
+  distanceTransform(&field, threads);
   parallelFor((field.height + kBand - 1) / kBand, threads, [&](int i) {
     spreadDirections(&field, params.direction_cost_px, i * kBand,
                      std::min((i + 1) * kBand, field.height));

@@ -53,8 +53,7 @@ static void localEnergy(const float* p, const Taps& taps, int m, float* energy) 
   for (int i = 0; i < m; ++i) {
     const float* const q = p + i;
     const float step = o1 * (q[1] - q[-1]) + o2 * (q[2] - q[-2]) + o3 * (q[3] - q[-3]);
-    const float line =
-        e0 * q[0] + e1 * (q[1] + q[-1]) + e2 * (q[2] + q[-2]) + e3 * (q[3] + q[-3]);
+    const float line = e0 * q[0] + e1 * (q[1] + q[-1]) + e2 * (q[2] + q[-2]) + e3 * (q[3] + q[-3]);
     energy[i] = std::sqrt(step * step + line * line);
   }
 }
