@@ -157,6 +157,14 @@ HdrNodeParams loadHdrNodeParams(const XmlRpcValue& tree) {
   return params;
 }
 
+planar_bin_picking::PickParams loadPickParams(const XmlRpcValue& tree) {
+  planar_bin_picking::PickParams params;
+  Reader reader(tree, kPickParams);
+  planar_bin_picking::PickParams::fields(params, reader);
+  reader.finish();
+  return params;
+}
+
 std::string describe(const LocatorParams& params) {
   Printer printer;
   planar_bin_picking::forEachField(params, printer);
@@ -166,6 +174,12 @@ std::string describe(const LocatorParams& params) {
 std::string describe(const CellParams& params) {
   Printer printer;
   CellParams::fields(params, printer);
+  return printer.text.str();
+}
+
+std::string describe(const planar_bin_picking::PickParams& params) {
+  Printer printer;
+  planar_bin_picking::PickParams::fields(params, printer);
   return printer.text.str();
 }
 

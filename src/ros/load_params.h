@@ -8,6 +8,7 @@
 #include "cell_params.h"
 #include "hdr_node_params.h"
 #include "planar_bin_picking/params.h"
+#include "planar_bin_picking/pick_policy.h"
 
 #include <ros/node_handle.h>
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -25,10 +26,12 @@ XmlRpc::XmlRpcValue readTree(const ros::NodeHandle& pnh, const std::string& name
 planar_bin_picking::LocatorParams loadLocatorParams(const XmlRpc::XmlRpcValue& tree);
 CellParams loadCellParams(const XmlRpc::XmlRpcValue& tree);
 HdrNodeParams loadHdrNodeParams(const XmlRpc::XmlRpcValue& tree);
+planar_bin_picking::PickParams loadPickParams(const XmlRpc::XmlRpcValue& tree);
 
 /// "key: value" of every field, one a line, for the log at start.
 std::string describe(const planar_bin_picking::LocatorParams& params);
 std::string describe(const CellParams& params);
 std::string describe(const HdrNodeParams& params);
+std::string describe(const planar_bin_picking::PickParams& params);
 
 }  // namespace planar_bin_picking_ros

@@ -11,6 +11,7 @@ constexpr char kImageTopic[] = "camera/image_raw";
 
 // Private, below the node's name.
 constexpr char kLocatePartService[] = "locate_part";
+constexpr char kReportPickService[] = "report_pick";
 constexpr char kLocatedPartsTopic[] = "located_parts";
 constexpr char kMarkersTopic[] = "markers";
 constexpr char kOverlayTopic[] = "overlay";
@@ -21,6 +22,7 @@ constexpr char kTakeService[] = "take";
 constexpr char kLocatorParams[] = "locator";
 constexpr char kCellParams[] = "cell";
 constexpr char kHdrParams[] = "hdr";
+constexpr char kPickParams[] = "pick";
 
 /// Parent of the frames of parts that the latest image no longer shows. It hangs on nothing, so
 /// that looking such a part up fails instead of answering with where it once was.

@@ -46,6 +46,19 @@ TEST(Config, LocatorYamlListsEveryKey) {
   EXPECT_EQ(keysOf(YAML::LoadFile(kConfig + "locator.yaml")), fields);
 }
 
+TEST(Config, PickYamlEqualsDefaults) {
+  const planar_bin_picking::PickParams params;
+  std::set<std::string> keys;
+  const YAML::Node root = YAML::LoadFile(kConfig + "pick.yaml");
+  planar_bin_picking::PickParams::fields(
+      params, [&](const std::string& key, const auto& member, auto&&...) {
+        ASSERT_TRUE(root[key]) << key;
+        EXPECT_EQ(root[key].as<std::decay_t<decltype(member)>>(), member) << key;
+        keys.insert(key);
+      });
+  EXPECT_EQ(keysOf(root), keys);
+}
+
 TEST(Config, HdrYamlEqualsDefaults) {
   const HdrNodeParams params;
   int keys = 0;

@@ -126,7 +126,7 @@ void SimulatedCell::update() {
     looks_.seeds.push_back(static_cast<std::uint32_t>(seed));
   };
   for (const Body& body : bodies_) add(body.kind, body.T_base_part, config_.material, body.id);
-  for (int i = 0; i < 5; ++i)
+  for (int i = 0; i < 5; ++i)  // floor and walls
     add(static_cast<int>(kinds_.size()) + i, Eigen::Isometry3d::Identity(), "plastic", 0);
   world_.place(instances);
 }
