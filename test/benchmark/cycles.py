@@ -33,7 +33,7 @@ def parse_arguments():
     parser.add_argument("--lights", nargs="+", default=LIGHTS)
     parser.add_argument("--count", type=int, default=20, help="parts in a full bin")
     parser.add_argument("--seed", type=int, default=1, help="of the first bin; the next has the next")
-    parser.add_argument("--megapixels", type=float, default=1.3)
+    parser.add_argument("--megapixels", type=float, default=5.0)
     parser.add_argument("--empty", action="store_true", help="empty each bin as far as it goes")
     parser.add_argument("--keep", action="store_true", help="do not run again what has a result")
     parser.add_argument("--output", type=Path, default=ROOT / "build/bench/cycles")
@@ -94,7 +94,7 @@ def main():
         for reason, count in r["failures"].items():
             failures[reason] = failures.get(reason, 0) + count
     for reason, count in sorted(failures.items(), key=lambda item: -item[1]):
-        print(f"failed picks: {count} x {reason}")
+        print(f"first match failed: {count} x {reason}")
     left = [n for r in results for n in r["left"]]
     if arguments.empty and left:
         print(f"emptied bins: {len(left)}; parts left in them: {sum(left) / len(left):.2f} on "

@@ -75,7 +75,8 @@ class Tally:
     def add(self, cycle, truth):
         self.seconds += [sum(t.seconds for t in answer.times if t.stage != "wait")
                          for answer in cycle.answers]
-        for part, success, message in cycle.attempts:
+        # Only the first: after a failure parts may have moved, and what stood in the image is stale.
+        for part, success, message in cycle.attempts[:1]:
             if success:
                 continue
             error = truth.error(part)

@@ -15,6 +15,7 @@ namespace {
 constexpr float kFar = 10.0f;          // metres
 constexpr float kSamePlane = 0.0004f;  // metres off a spot's plane that still are its surface
 constexpr int kNothing = -1;
+constexpr int kFine = 1800;  // pixels across, from which shadows need not be looked at that finely
 
 struct Seen {
   int body = kNothing;
@@ -34,6 +35,7 @@ class Painter {
           const Looks& looks, const Lamps& lamps, const Eigen::Isometry3d& T_base_camera)
       : w_(lens.width),
         h_(lens.height),
+        cell_(lens.width > kFine ? 4 : 2),
         rays_(rays),
         world_(world),
         looks_(looks),
@@ -48,12 +50,12 @@ class Painter {
     forEachRow(h_, [&](int y) {
       for (int x = 0; x < w_; ++x) seen_[index(x, y)] = look(rays_[index(x, y)]);
     });
-    cells_x_ = (w_ + 1) / 2;
-    cells_y_ = (h_ + 1) / 2;
+    cells_x_ = (w_ + cell_ - 1) / cell_;
+    cells_y_ = (h_ + cell_ - 1) / cell_;
     cells_.resize(static_cast<std::size_t>(cells_x_) * cells_y_);
     forEachRow(cells_y_, [&](int j) {
       for (int i = 0; i < cells_x_; ++i) {
-        const Seen& seen = seen_[index(2 * i, 2 * j)];
+        const Seen& seen = seen_[index(cell_ * i, cell_ * j)];
         if (seen.body != kNothing)
           cells_[static_cast<std::size_t>(j) * cells_x_ + i] = arriving(seen, i % 2 + 2 * (j % 2));
       }
@@ -116,14 +118,14 @@ class Painter {
   /// Light that arrives, from the cells about a pixel that lie on its surface.
   Arriving shared(const Seen& seen, float x, float y, int share) const {
     constexpr float kReach = 1.5f;  // cells: with a tent this wide, the four shares weigh the same
-    const float u = 0.5f * x, v = 0.5f * y;
+    const float u = x / static_cast<float>(cell_), v = y / static_cast<float>(cell_);
     Arriving sum;
     float weights = 0.0f;
     for (int j = std::max(0, static_cast<int>(std::ceil(v - kReach)));
          j <= std::min(cells_y_ - 1, static_cast<int>(v + kReach)); ++j) {
       for (int i = std::max(0, static_cast<int>(std::ceil(u - kReach)));
            i <= std::min(cells_x_ - 1, static_cast<int>(u + kReach)); ++i) {
-        if (!sameSurface(seen, seen_[index(2 * i, 2 * j)])) continue;
+        if (!sameSurface(seen, seen_[index(cell_ * i, cell_ * j)])) continue;
         const float weight = (kReach + 0.01f - std::abs(u - static_cast<float>(i))) *
                              (kReach + 0.01f - std::abs(v - static_cast<float>(j)));
         const Arriving& cell = cells_[static_cast<std::size_t>(j) * cells_x_ + i];
@@ -147,6 +149,7 @@ class Painter {
   }
 
   const int w_, h_;
+  const int cell_;  ///< pixels
   const std::vector<Eigen::Vector2f>& rays_;
   const Raycaster& world_;
   const Looks& looks_;

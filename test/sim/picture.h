@@ -5,9 +5,9 @@
 /// The picture that a camera takes of the cell: rays through the lens, light at what they meet,
 /// then the sensor. The same input gives the same bytes.
 ///
-/// One ray per pixel finds what is seen. Soft light is gathered in cells of 2 x 2 pixels and shared
-/// between neighbours on the same surface; pixels at edges get nine rays, so that edges are true to
-/// a small part of a pixel.
+/// One ray per pixel finds what is seen. Soft light is gathered in cells of 2 x 2 pixels, or 4 x 4
+/// in a fine picture, and shared between neighbours on the same surface; pixels at edges get nine
+/// rays, so that edges are true to a small part of a pixel.
 
 #include "sim/lens.h"
 #include "sim/light.h"
