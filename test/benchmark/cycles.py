@@ -72,6 +72,7 @@ def row(name, light, r):
 
 def main():
     arguments = parse_arguments()
+    arguments.output = arguments.output.resolve()
     arguments.output.mkdir(parents=True, exist_ok=True)
     print("| part | light | cycles | first match | later match | deadlock | x mm | y mm | z mm | "
           "yaw deg | tilt deg | locate s |")
