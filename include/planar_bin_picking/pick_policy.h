@@ -108,6 +108,10 @@ class PickPolicy {
     int count;
   };
   Failure* find(const PickCandidate& candidate);
+  /// How often picks failed there in the scene as it is; forgets them where it has changed.
+  int recall(const PickCandidate& candidate);
+  std::optional<Refused> refusal(const PickCandidate& candidate,
+                                 const PickPlan::Offer& offer) const;
   bool toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBin& bin) const;
 
   PickParams params_;

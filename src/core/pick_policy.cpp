@@ -24,8 +24,8 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
-/// Mean absolute difference, grey levels; 0 where there is nothing to compare: then nothing tells of
-/// a change.
+/// Mean absolute difference, grey levels; 0 where there is nothing to compare: nothing tells of a
+/// change then.
 double difference(const cv::Mat& a, const cv::Mat& b) {
   if (a.empty() || b.empty()) return 0.0;
   return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total());
@@ -52,7 +52,7 @@ PickPolicy::Failure* PickPolicy::find(const PickCandidate& candidate) {
 }
 
 bool PickPolicy::toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBin& bin) const {
-  constexpr double kSteps = 20;
+  constexpr int kSteps = 20;
   const Eigen::Isometry3d T_bin_pick = bin.T_bin_target * T_target_pick;
   const Eigen::Vector3d tip = T_bin_pick.translation(), axis = T_bin_pick.linear().col(2);
   const double room = params_.tool_radius + params_.wall_clearance;
@@ -68,40 +68,54 @@ bool PickPolicy::toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBi
   return true;
 }
 
+int PickPolicy::recall(const PickCandidate& candidate) {
+  Failure* const failure = find(candidate);
+  if (failure == nullptr) return 0;
+  if (difference(failure->surroundings, candidate.surroundings) <= params_.changed_grey)
+    return failure->count;
+  failures_.erase(failures_.begin() + (failure - failures_.data()));
+  return 0;
+}
+
+std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
+                                           const PickPlan::Offer& offer) const {
+  const auto refuse = [&](PickRefusal reason, const std::string& text) {
+    return Refused{offer.candidate, reason, text};
+  };
+  if (candidate.score < params_.score_min) {
+    return refuse(PickRefusal::kLowScore,
+                  format("score %.2f, at least %.2f", candidate.score, params_.score_min));
+  }
+  if (candidate.visible_fraction < params_.visible_min) {
+    return refuse(PickRefusal::kOccluded, format("%.2f of it visible, at least %.2f",
+                                                 candidate.visible_fraction, params_.visible_min));
+  }
+  if (candidate.tilt_deg > params_.tilt_max_deg) {
+    return refuse(PickRefusal::kTilt, format("tilted by %.1f degrees, at most %.1f",
+                                             candidate.tilt_deg, params_.tilt_max_deg));
+  }
+  if (offer.picks.empty() && !candidate.T_target_pick.empty()) {
+    return refuse(PickRefusal::kWall, format("a tool of radius %.3f m would touch the bin's wall",
+                                             params_.tool_radius));
+  }
+  if (offer.failures >= params_.failures_max) {
+    return refuse(PickRefusal::kFailedBefore,
+                  format("%d picks failed here, and the scene is as it was", offer.failures));
+  }
+  return std::nullopt;
+}
+
 PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
                           const std::optional<PickBin>& bin) {
   PickPlan plan;
   const bool looks_at_walls = bin && params_.tool_radius > 0.0;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const PickCandidate& candidate = candidates[i];
-    PickPlan::Offer offer{i, {}, 0};
-    for (std::size_t k = 0; k < candidate.T_target_pick.size(); ++k)
-      if (!looks_at_walls || toolIsFree(candidate.T_target_pick[k], *bin)) offer.picks.push_back(k);
-    Failure* const failure = find(candidate);
-    if (failure != nullptr &&
-        difference(failure->surroundings, candidate.surroundings) > params_.changed_grey) {
-      failures_.erase(failures_.begin() + (failure - failures_.data()));
-    } else if (failure != nullptr) {
-      offer.failures = failure->count;
-    }
-    const auto refuse = [&](PickRefusal reason, const std::string& text) {
-      plan.refused.push_back({i, reason, text});
-    };
-    if (candidate.score < params_.score_min) {
-      refuse(PickRefusal::kLowScore,
-             format("score %.2f, at least %.2f", candidate.score, params_.score_min));
-    } else if (candidate.visible_fraction < params_.visible_min) {
-      refuse(PickRefusal::kOccluded, format("%.2f of it visible, at least %.2f",
-                                            candidate.visible_fraction, params_.visible_min));
-    } else if (candidate.tilt_deg > params_.tilt_max_deg) {
-      refuse(PickRefusal::kTilt, format("tilted by %.1f degrees, at most %.1f", candidate.tilt_deg,
-                                        params_.tilt_max_deg));
-    } else if (offer.picks.empty() && !candidate.T_target_pick.empty()) {
-      refuse(PickRefusal::kWall,
-             format("a tool of radius %.3f m would touch the bin's wall", params_.tool_radius));
-    } else if (offer.failures >= params_.failures_max) {
-      refuse(PickRefusal::kFailedBefore,
-             format("%d picks failed here, and the scene is as it was", offer.failures));
+    const auto& picks = candidates[i].T_target_pick;
+    PickPlan::Offer offer{i, {}, recall(candidates[i])};
+    for (std::size_t k = 0; k < picks.size(); ++k)
+      if (!looks_at_walls || toolIsFree(picks[k], *bin)) offer.picks.push_back(k);
+    if (const auto refused = refusal(candidates[i], offer)) {
+      plan.refused.push_back(*refused);
     } else {
       plan.offers.push_back(std::move(offer));
     }

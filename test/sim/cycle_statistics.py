@@ -13,13 +13,16 @@ as far as it goes; what is left then is counted).
 import argparse
 import collections
 import math
+import os
 import statistics
 import sys
 
 import numpy
-import pick_program
 import rospy
 import yaml
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's relay of it
+import pick_program
 from pick_program import matrix
 from planar_bin_picking.msg import LocatedParts
 from std_srvs.srv import Trigger
