@@ -60,7 +60,9 @@ ExposedFrame BracketTaker::takeSingle(const double seconds) {
   const SteadyTime now = std::chrono::steady_clock::now();
   const auto timeout = std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double>(params_.frame_timeout));
-  const auto frame = inbox_->wait({ros::Time::now(), now}, now + timeout);
+  const ros::Time not_before = ros::Time::now();
+  ask_();
+  const auto frame = inbox_->wait({not_before, now}, now + timeout);
   if (!frame) {
     throw std::runtime_error(
         "no frame came within ~hdr/frame_timeout; check that the camera runs and that its clock "
@@ -96,6 +98,7 @@ ExposedFrame BracketTaker::takeOne(const double seconds, const std::vector<Expos
                                     std::chrono::duration<double>(params_.frame_timeout));
   double shown = 0.0;
   for (int count = 0;; ++count) {
+    ask_();
     const auto frame = inbox_->wait({ros::Time(), after}, deadline);
     if (!frame) throw std::runtime_error(failure(seconds, count, shown, params_.frame_timeout));
     after = frame->received;

@@ -31,11 +31,13 @@ class BracketFailure : public std::runtime_error {
 class BracketTaker {
  public:
   using SetExposure = std::function<void(double seconds)>;
+  using Ask = std::function<void()>;
 
   /// @param set    throws std::runtime_error where the camera does not take the command in
+  /// @param ask    called before each wait for a frame; nothing where the camera runs freely
   /// @param inbox  where frames come in; outlives this
-  BracketTaker(const HdrNodeParams& params, SetExposure set, ImageInbox* inbox)
-      : params_(params), set_(std::move(set)), inbox_(inbox) {}
+  BracketTaker(const HdrNodeParams& params, SetExposure set, Ask ask, ImageInbox* inbox)
+      : params_(params), set_(std::move(set)), ask_(std::move(ask)), inbox_(inbox) {}
 
   /// The next frame, with the exposure that the camera has.
   /// @throws std::runtime_error  none came within frame_timeout
@@ -53,6 +55,7 @@ class BracketTaker {
 
   const HdrNodeParams& params_;
   SetExposure set_;
+  Ask ask_;
   ImageInbox* inbox_;
 };
 

@@ -21,6 +21,8 @@ struct HdrNodeParams {
   double exposure_unit_seconds = 1e-6;          ///< seconds that 1 stands for in it
   std::string exposure_service;                 ///< SetExposure.srv, in place of the three above
 
+  std::string trigger_service;  ///< std_srvs/Trigger, for cameras that take a frame on request only
+
   double command_timeout = 2.0;     ///< s, wall time, for the camera to take a command in
   double frame_timeout = 2.0;       ///< s, wall time, for a frame with the new exposure to come
   double exposure_tolerance = 0.2;  ///< relative, of the exposure that a frame shows
@@ -39,6 +41,7 @@ struct HdrNodeParams {
     visit("exposure_parameter", self.exposure_parameter);
     visit("exposure_unit_seconds", self.exposure_unit_seconds, 1e-9, 1.0);
     visit("exposure_service", self.exposure_service);
+    visit("trigger_service", self.trigger_service);
     visit("command_timeout", self.command_timeout, 0.01, 60.0);
     visit("frame_timeout", self.frame_timeout, 0.01, 60.0);
     visit("exposure_tolerance", self.exposure_tolerance, 0.01, 1.0);

@@ -38,7 +38,7 @@ HdrRos::HdrRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       call_pnh_(onQueue(pnh, &call_queue_)),
       control_(nh, params_),
       taker_(
-          params_, [this](double seconds) { control_.set(seconds); }, &inbox_),
+          params_, [this](double seconds) { control_.set(seconds); }, [this] { ask(); }, &inbox_),
       images_in_(image_nh_),
       images_out_(pnh),
       camera_(images_in_.subscribeCamera(
@@ -48,6 +48,8 @@ HdrRos::HdrRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       image_spinner_(1, &image_queue_),
       call_spinner_(1, &call_queue_) {
   ROS_INFO_STREAM("hdr:" << describe(params_));
+  if (!params_.trigger_service.empty())
+    trigger_ = image_nh_.serviceClient<std_srvs::Trigger>(params_.trigger_service);
   service_ = call_pnh_.advertiseService(kTakeService, &HdrRos::serve, this);
   image_spinner_.start();
   call_spinner_.start();
@@ -99,6 +101,16 @@ std::string HdrRos::takeAndPublish() {
                 std::chrono::duration<double>(taken - start).count(),
                 std::chrono::duration<double>(merged - taken).count());
   return text;
+}
+
+void HdrRos::ask() {
+  if (!trigger_) return;
+  std_srvs::Trigger service;
+  if (!trigger_.call(service) || !service.response.success) {
+    throw std::runtime_error(
+        trigger_.getService() + " makes no frame: " +
+        (service.response.message.empty() ? "nobody answers it" : service.response.message));
+  }
 }
 
 void HdrRos::publish(const cv::Mat& grey, const ExposedFrame& first) {

@@ -34,12 +34,15 @@ class HdrRos {
   bool serve(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   /// @return  what was done. @throws std::exception  why there is no merged image
   std::string takeAndPublish();
+  /// Asks a camera that does not run freely for a frame. @throws std::runtime_error  nobody answers
+  void ask();
   void publish(const cv::Mat& grey, const ExposedFrame& first);
 
   const HdrNodeParams params_;
   ros::CallbackQueue image_queue_, call_queue_;
   ros::NodeHandle image_nh_, call_pnh_;
   ImageInbox inbox_;
+  ros::ServiceClient trigger_;  ///< invalid where the camera runs freely
   ExposureControl control_;
   BracketTaker taker_;
   image_transport::ImageTransport images_in_, images_out_;

@@ -9,6 +9,7 @@
     ignores    answers as if it had taken the command in
     clamps     uses 10 ms at most, and says so
     drops      sends nothing for 3 s after a command
+    waits      takes a frame on request only
     hangs      does not answer a command for 3 s
 
     fake_cameras.py obeys service ...      topics and services stand below the name
@@ -21,6 +22,7 @@ from dynamic_reconfigure.msg import Config, DoubleParameter, IntParameter
 from dynamic_reconfigure.srv import Reconfigure, ReconfigureResponse
 from planar_bin_picking.srv import SetExposure, SetExposureResponse
 from sensor_msgs.msg import CameraInfo, Image
+from std_srvs.srv import Trigger, TriggerResponse
 
 RATE = 25.0  # Hz
 SINGLE = 0.008  # s
@@ -44,6 +46,9 @@ class Camera:
         self.random = numpy.random.default_rng(1)
         self.image = rospy.Publisher(f"{manners}/camera/image_raw", Image, queue_size=1)
         self.info = rospy.Publisher(f"{manners}/camera/camera_info", CameraInfo, queue_size=1)
+        self.wanted = threading.Event()
+        if manners == "waits":
+            rospy.Service("waits/camera/trigger", Trigger, self.serve_trigger)
         if manners == "service":
             rospy.Service("service/set_exposure", SetExposure, self.serve_exposure)
         else:
@@ -61,6 +66,10 @@ class Camera:
                 if self.manners == "drops":
                     self.silent_until = rospy.get_time() + SILENCE
         return seconds
+
+    def serve_trigger(self, _):
+        self.wanted.set()
+        return TriggerResponse(success=True)
 
     def serve_exposure(self, request):
         return SetExposureResponse(success=True, seconds=self.command(request.seconds))
@@ -81,6 +90,9 @@ class Camera:
         return ReconfigureResponse(config)
 
     def publish(self, scene):
+        if self.manners == "waits" and not self.wanted.is_set():
+            return
+        self.wanted.clear()
         with self.lock:
             seconds = self.exposures.pop(0)
             self.exposures.append(self.exposures[-1])

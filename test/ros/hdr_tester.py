@@ -86,6 +86,9 @@ class HdrTest(unittest.TestCase):
     def test_service(self):
         self.check_merged("service")
 
+    def test_waits(self):
+        self.check_merged("waits")
+
     def test_ignores(self):
         self.check_single("ignores", "looks like 8", "ignores the command")
 
