@@ -38,7 +38,7 @@ struct Suction {
   double depth_max = 0.005;       ///< that the cup's bellows take up, metres
   double tilt_max_deg = 5.0;      ///< against the part's face
   double unevenness_max = 0.001;  ///< of what is below the cup, metres
-  double load_max = 0.3;          ///< weight on the part, in units of its own
+  double load_max = 0.8;          ///< weight on the part, in units of its own
 };
 
 enum class PickResult {

@@ -27,6 +27,7 @@ Eigen::Isometry3d overhead() {
 
 CellConfig smallCell(int count) {
   CellConfig config;
+  config.suction.load_max = 0.3;  // a part of the same kind that leans on it is enough
   config.lens.width = 320, config.lens.height = 256;
   config.lens.fx = config.lens.fy = 420.0, config.lens.cx = 159.5, config.lens.cy = 127.5;
   config.counts = {count};
