@@ -148,6 +148,23 @@ CellParams loadCellParams(const XmlRpcValue& tree) {
   return params;
 }
 
+HdrNodeParams loadHdrNodeParams(const XmlRpcValue& tree) {
+  HdrNodeParams params;
+  Reader reader(tree, kHdrParams);
+  HdrNodeParams::fields(params, reader);
+  reader.finish();
+  validate(params);
+  return params;
+}
+
+planar_bin_picking::PickParams loadPickParams(const XmlRpcValue& tree) {
+  planar_bin_picking::PickParams params;
+  Reader reader(tree, kPickParams);
+  planar_bin_picking::PickParams::fields(params, reader);
+  reader.finish();
+  return params;
+}
+
 std::string describe(const LocatorParams& params) {
   Printer printer;
   planar_bin_picking::forEachField(params, printer);
@@ -157,6 +174,18 @@ std::string describe(const LocatorParams& params) {
 std::string describe(const CellParams& params) {
   Printer printer;
   CellParams::fields(params, printer);
+  return printer.text.str();
+}
+
+std::string describe(const planar_bin_picking::PickParams& params) {
+  Printer printer;
+  planar_bin_picking::PickParams::fields(params, printer);
+  return printer.text.str();
+}
+
+std::string describe(const HdrNodeParams& params) {
+  Printer printer;
+  HdrNodeParams::fields(params, printer);
   return printer.text.str();
 }
 

@@ -6,7 +6,9 @@
 /// field has is an error, so that a typing error cannot pass for a default.
 
 #include "cell_params.h"
+#include "hdr_node_params.h"
 #include "planar_bin_picking/params.h"
+#include "planar_bin_picking/pick_policy.h"
 
 #include <ros/node_handle.h>
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -23,9 +25,13 @@ XmlRpc::XmlRpcValue readTree(const ros::NodeHandle& pnh, const std::string& name
 /// allowed
 planar_bin_picking::LocatorParams loadLocatorParams(const XmlRpc::XmlRpcValue& tree);
 CellParams loadCellParams(const XmlRpc::XmlRpcValue& tree);
+HdrNodeParams loadHdrNodeParams(const XmlRpc::XmlRpcValue& tree);
+planar_bin_picking::PickParams loadPickParams(const XmlRpc::XmlRpcValue& tree);
 
 /// "key: value" of every field, one a line, for the log at start.
 std::string describe(const planar_bin_picking::LocatorParams& params);
 std::string describe(const CellParams& params);
+std::string describe(const HdrNodeParams& params);
+std::string describe(const planar_bin_picking::PickParams& params);
 
 }  // namespace planar_bin_picking_ros

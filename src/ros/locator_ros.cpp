@@ -10,6 +10,7 @@
 #include "transforms.h"
 
 #include <ros/console.h>
+#include <std_srvs/Trigger.h>
 
 #include <chrono>
 #include <cstdio>
@@ -87,6 +88,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       tf_listener_(tf_buffer_),
       source_(image_nh_, pnh),
       publisher_(call_pnh_, cell_.frame_prefix),
+      picks_(loadPickParams(readTree(pnh, kPickParams))),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_) {
   ROS_INFO_STREAM("locator:" << describe(locator_.params()));
@@ -95,7 +97,10 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
   for (const auto& [name, error] : library_.errors()) {
     ROS_ERROR_STREAM("part '" << name << "' is not available: " << error);
   }
+  if (!cell_.trigger_service.empty())
+    trigger_ = image_nh_.serviceClient<std_srvs::Trigger>(cell_.trigger_service);
   service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
+  report_service_ = call_pnh_.advertiseService(kReportPickService, &LocatorRos::serveReport, this);
   image_spinner_.start();
   call_spinner_.start();
   ROS_INFO_STREAM("ready: images from " << source_.topic() << ", calls on "
@@ -105,6 +110,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
 LocatorRos::~LocatorRos() {
   source_.close();  // before the spinner, which waits for the calls that are being served
   service_.shutdown();
+  report_service_.shutdown();
   call_spinner_.stop();
   image_spinner_.stop();
 }
@@ -123,6 +129,13 @@ bool LocatorRos::serve(Request& request, Response& response) {
     ROS_ERROR_STREAM("locate_part '" << request.part << "': " << response.message);
   }
   return true;  // the call itself worked, whatever its status
+}
+
+bool LocatorRos::serveReport(planar_bin_picking::ReportPick::Request& request,
+                             planar_bin_picking::ReportPick::Response& response) {
+  picks_.report(request, &response);
+  ROS_INFO_STREAM("report_pick '" << request.child_frame << "': " << response.message);
+  return true;
 }
 
 void LocatorRos::answer(const Request& request, Response& response) {
@@ -153,12 +166,23 @@ void LocatorRos::answer(const Request& request, Response& response) {
     answer.located.push_back(toMsg(detection, *parts.at(detection.part), T_target_camera));
     answer.located.back().header = answer.header;
   }
+  const auto sorted = picks_.sort(&answer, pickFrames(answer.header, T_target_camera));
+  response.refused = sorted.refused;
   const std::size_t count = answer.located.size();
   response.parts = publisher_.publish(std::move(answer))->located;
+  picks_.keep(response.parts, sorted.offered);
   watch.lap("publish");
-  response.status = count > 0 ? Response::OK : Response::NO_PART_FOUND;
-  response.message = count > 0 ? std::to_string(count) + " located"
-                               : nothingFound(locator_.params().score.threshold, locate_request);
+  if (count > 0) {
+    response.status = Response::OK;
+    response.message = std::to_string(count) + " located";
+  } else if (!response.refused.empty()) {
+    response.status = Response::DEADLOCK;
+    response.message = "none of " + std::to_string(response.refused.size()) +
+                       " located parts can be offered: " + sorted.hint;
+  } else {
+    response.status = Response::NO_PART_FOUND;
+    response.message = nothingFound(locator_.params().score.threshold, locate_request);
+  }
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {
@@ -166,9 +190,35 @@ Frame LocatorRos::awaitFrame(const Request& request) {
     throw Refusal(Response::BAD_REQUEST,
                   "timeout is negative; zero means the cell's image_timeout");
   }
-  return source_.await(request.not_before, request.timeout.isZero()
-                                               ? ros::Duration(cell_.image_timeout)
-                                               : request.timeout);
+  const ros::Time not_before =
+      request.not_before.isZero() && trigger_ ? ros::Time::now() : request.not_before;
+  if (trigger_) trigger();
+  return source_.await(
+      not_before, request.timeout.isZero() ? ros::Duration(cell_.image_timeout) : request.timeout);
+}
+
+void LocatorRos::trigger() {
+  std_srvs::Trigger service;
+  if (!trigger_.call(service)) {
+    throw Refusal(Response::NO_IMAGE, "nobody answers " + trigger_.getService() +
+                                          "; start what takes the images, or correct "
+                                          "~cell/trigger_service");
+  }
+  // An image may come all the same: the HDR node passes a single exposure on.
+  if (!service.response.success) {
+    ROS_WARN_STREAM(trigger_.getService() << ": " << service.response.message);
+  }
+}
+
+PickKeeper::Frames LocatorRos::pickFrames(const std_msgs::Header& answer,
+                                          const Eigen::Isometry3d& T_target_camera) const {
+  PickKeeper::Frames frames{T_target_camera, std::nullopt};
+  if (!cell_.hasBin()) return frames;
+  frames.bin.emplace();
+  frames.bin->T_bin_target = transform(cell_.bin_frame, answer.frame_id, answer.stamp);
+  frames.bin->min = Eigen::Vector3d(cell_.bin_min[0], cell_.bin_min[1], cell_.bin_min[2]);
+  frames.bin->max = Eigen::Vector3d(cell_.bin_max[0], cell_.bin_max[1], cell_.bin_max[2]);
+  return frames;
 }
 
 Eigen::Isometry3d LocatorRos::transform(const std::string& target, const std::string& source,

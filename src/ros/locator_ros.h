@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// The locator as a ROS node: waits for images, answers LocatePart, publishes what it found. The
-/// nodelet and the node are two shells around it.
+/// The locator as a ROS node: waits for images, answers LocatePart, publishes what it found, and
+/// takes in with ReportPick what came of it. The nodelet and the node are two shells around it.
 ///
 /// Calls wait and compute in threads of their own, beside the one that takes in images, so that a
 /// waiting call keeps neither an image nor another call from coming in, however few worker threads
@@ -13,6 +13,7 @@
 #include "cell_params.h"
 #include "image_source.h"
 #include "part_library.h"
+#include "pick_keeper.h"
 #include "planar_bin_picking/locator.h"
 
 #include <planar_bin_picking/LocatePart.h>
@@ -42,16 +43,22 @@ class LocatorRos {
   class Stopwatch;
 
   bool serve(Request& request, Response& response);
+  bool serveReport(planar_bin_picking::ReportPick::Request& request,
+                   planar_bin_picking::ReportPick::Response& response);
   /// The steps of a call. @throws Refusal  there is no answer
   void answer(const Request& request, Response& response);
 
   Frame awaitFrame(const Request& request);
+  /// Asks for an image where images do not come of themselves.
+  void trigger();
   /// @throws Refusal  NO_TRANSFORM
   Eigen::Isometry3d transform(const std::string& target, const std::string& source,
                               const ros::Time& stamp) const;
   planar_bin_picking::LocateRequest makeRequest(const Request& request,
                                                 const std::vector<PartPtr>& parts,
                                                 const std_msgs::Header& image) const;
+  PickKeeper::Frames pickFrames(const std_msgs::Header& answer,
+                                const Eigen::Isometry3d& T_target_camera) const;
 
   const planar_bin_picking::Locator locator_;
   const CellParams cell_;
@@ -63,8 +70,10 @@ class LocatorRos {
   tf2_ros::TransformListener tf_listener_;  // has a thread of its own
   ImageSource source_;
   AnswerPublisher publisher_;
+  PickKeeper picks_;
   std::mutex locate_mutex_;
-  ros::ServiceServer service_;
+  ros::ServiceClient trigger_;  ///< invalid where there is no trigger_service
+  ros::ServiceServer service_, report_service_;
   ros::AsyncSpinner image_spinner_, call_spinner_;
 };
 

@@ -11,13 +11,18 @@ constexpr char kImageTopic[] = "camera/image_raw";
 
 // Private, below the node's name.
 constexpr char kLocatePartService[] = "locate_part";
+constexpr char kReportPickService[] = "report_pick";
 constexpr char kLocatedPartsTopic[] = "located_parts";
 constexpr char kMarkersTopic[] = "markers";
 constexpr char kOverlayTopic[] = "overlay";
+constexpr char kHdrImageTopic[] = "image_raw";
+constexpr char kTakeService[] = "take";
 
 // Private parameter trees; nothing else is read.
 constexpr char kLocatorParams[] = "locator";
 constexpr char kCellParams[] = "cell";
+constexpr char kHdrParams[] = "hdr";
+constexpr char kPickParams[] = "pick";
 
 /// Parent of the frames of parts that the latest image no longer shows. It hangs on nothing, so
 /// that looking such a part up fails instead of answering with where it once was.

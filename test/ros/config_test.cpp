@@ -46,6 +46,33 @@ TEST(Config, LocatorYamlListsEveryKey) {
   EXPECT_EQ(keysOf(YAML::LoadFile(kConfig + "locator.yaml")), fields);
 }
 
+TEST(Config, PickYamlEqualsDefaults) {
+  const planar_bin_picking::PickParams params;
+  std::set<std::string> keys;
+  const YAML::Node root = YAML::LoadFile(kConfig + "pick.yaml");
+  planar_bin_picking::PickParams::fields(
+      params, [&](const std::string& key, const auto& member, auto&&...) {
+        ASSERT_TRUE(root[key]) << key;
+        EXPECT_EQ(root[key].as<std::decay_t<decltype(member)>>(), member) << key;
+        keys.insert(key);
+      });
+  EXPECT_EQ(keysOf(root), keys);
+}
+
+TEST(Config, HdrYamlEqualsDefaults) {
+  const HdrNodeParams params;
+  int keys = 0;
+  const YAML::Node root = YAML::LoadFile(kConfig + "hdr.yaml");
+  HdrNodeParams::fields(params, [&](const std::string& key, const auto& member, auto&&...) {
+    const bool is_merge = key.rfind("merge/", 0) == 0;
+    const YAML::Node node = is_merge ? root["merge"][key.substr(6)] : root[key];
+    ASSERT_TRUE(node) << key;
+    EXPECT_EQ(node.as<std::decay_t<decltype(member)>>(), member) << key;
+    ++keys;
+  });
+  EXPECT_EQ(keysOf(root).size(), static_cast<std::size_t>(keys));
+}
+
 // The lines that are commented out in cell.yaml are keys, too.
 TEST(Config, CellYamlHasKnownKeys) {
   std::set<std::string> fields;

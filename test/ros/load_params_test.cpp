@@ -43,6 +43,24 @@ XmlRpcValue binTree() {
   return tree;
 }
 
+TEST(LoadHdrNodeParams, NothingSetGivesDefaults) {
+  EXPECT_EQ(describe(loadHdrNodeParams(emptyTree())), describe(HdrNodeParams{}));
+}
+
+TEST(LoadHdrNodeParams, RefusesByKey) {
+  XmlRpcValue one = emptyTree(), negative = emptyTree(), service = emptyTree(), merge = emptyTree();
+  one["exposures_ms"] = list({8.0});
+  EXPECT_TRUE(refuses([&] { loadHdrNodeParams(one); }, {"at least two"}));
+  negative["exposures_ms"] = list({8.0, -1.0});
+  EXPECT_TRUE(refuses([&] { loadHdrNodeParams(negative); }, {"~hdr/exposures_ms"}));
+  service["exposure_service"] = "set_exposure";
+  EXPECT_TRUE(refuses([&] { loadHdrNodeParams(service); }, {"~hdr/single_ms"}));
+  service["single_ms"] = 10.0;
+  EXPECT_EQ(loadHdrNodeParams(service).exposure_service, "set_exposure");
+  merge["merge"]["compression"] = -1.0;
+  EXPECT_TRUE(refuses([&] { loadHdrNodeParams(merge); }, {"~hdr/merge/compression"}));
+}
+
 TEST(LoadLocatorParams, NothingSetGivesDefaults) {
   EXPECT_EQ(describe(loadLocatorParams(emptyTree())), describe(LocatorParams{}));
 }

@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The planar_bin_picking authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The loop of a robot program: locate, go there, suck, report, next. Copy it and go on from here; what
+your cell has in place of move_robot and gripper/suction goes into the class Robot.
+
+    rosrun planar_bin_picking pick_program.py [_part:=bracket] [_cycles:=20]
+"""
+import copy
+import sys
+
+import numpy
+import rospy
+import tf2_ros
+from geometry_msgs.msg import PoseStamped
+from planar_bin_picking.srv import (LocatePart, LocatePartResponse, MoveRobot, ReportPick,
+                                    ReportPickResponse)
+from std_srvs.srv import SetBool, Trigger
+
+WAIT = 60.0  # s, for the nodes to come up
+ABOVE = 0.15  # m, over the part before and after the pick, along the tool's stroke
+IMAGES = 3  # in a row without a part that could be picked: then the bin needs somebody
+
+
+def matrix(pose):
+    """4 x 4, of a pose or a transform."""
+    p = getattr(pose, "position", None) or pose.translation
+    q = getattr(pose, "orientation", None) or pose.rotation
+    x, y, z, w = q.x, q.y, q.z, q.w
+    return numpy.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), p.x],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), p.y],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), p.z],
+        [0.0, 0.0, 0.0, 1.0]])
+
+
+def quaternion(R):
+    """x, y, z, w: the axis of a rotation matrix is where it turns nothing."""
+    K = numpy.array([
+        [R[0, 0] - R[1, 1] - R[2, 2], 0, 0, 0],
+        [R[1, 0] + R[0, 1], R[1, 1] - R[0, 0] - R[2, 2], 0, 0],
+        [R[2, 0] + R[0, 2], R[2, 1] + R[1, 2], R[2, 2] - R[0, 0] - R[1, 1], 0],
+        [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1], R[0, 0] + R[1, 1] + R[2, 2]]])
+    return numpy.linalg.eigh(K / 3.0)[1][:, -1]
+
+
+class Robot:
+    """Moves the tool's tip; knows where the tool sits on the flange."""
+
+    def __init__(self):
+        for name in ("move_robot", "gripper/suction"):
+            rospy.wait_for_service(name, WAIT)
+        self.move_robot = rospy.ServiceProxy("move_robot", MoveRobot)
+        self.suction = rospy.ServiceProxy("gripper/suction", SetBool)
+        self.tf = tf2_ros.Buffer()
+        self.listener = tf2_ros.TransformListener(self.tf)
+        lookup = lambda *frames: matrix(self.tf.lookup_transform(
+            *frames, rospy.Time(0), rospy.Duration(WAIT)).transform)
+        self.T_flange_tool = lookup("flange", "tool")
+        self.T_base_home = lookup("base", "flange")
+
+    def move_flange(self, T_base_flange):
+        target = PoseStamped()
+        target.header.frame_id = "base"
+        p, q = target.pose.position, target.pose.orientation
+        p.x, p.y, p.z = T_base_flange[:3, 3]
+        q.x, q.y, q.z, q.w = quaternion(T_base_flange[:3, :3])
+        response = self.move_robot(target=target, speed_scale=1.0)
+        if not response.success:
+            raise RuntimeError("robot: " + response.message)
+
+    def move_tool(self, T_base_tool):
+        self.move_flange(T_base_tool @ numpy.linalg.inv(self.T_flange_tool))
+
+    def pick(self, T_base_pick):
+        """Down, suck, up, back home: True if the vacuum held. And what the gripper says."""
+        T_base_above = T_base_pick.copy()
+        T_base_above[:3, 3] -= ABOVE * T_base_pick[:3, 2]
+        self.move_tool(T_base_above)
+        self.move_tool(T_base_pick)
+        response = self.suction(True)
+        self.move_tool(T_base_above)
+        self.move_flange(self.T_base_home)  # out of the camera's sight
+        self.suction(False)  # a real program puts the part down before
+        return response.success, response.message
+
+
+class Locator:
+    def __init__(self, part):
+        self.part = part
+        for name in ("locator/locate_part", "locator/report_pick"):
+            rospy.wait_for_service(name, WAIT)
+        self.locate_part = rospy.ServiceProxy("locator/locate_part", LocatePart)
+        self.report_pick = rospy.ServiceProxy("locator/report_pick", ReportPick)
+
+    def locate(self):
+        return self.locate_part(part=self.part, timeout=rospy.Duration(20.0))
+
+    def report(self, part, success):
+        """The next part to go to out of the same image, or None."""
+        response = self.report_pick(stamp=part.header.stamp, child_frame=part.child_frame,
+                                    success=success)
+        return response.next if response.status == ReportPickResponse.NEXT else None
+
+
+class Cycle:
+    """What one cycle came to: one part picked, or none although up to IMAGES were looked at."""
+
+    def __init__(self):
+        self.attempts = []  # (part, success, what the gripper said), in order
+        self.answers = []   # of LocatePart
+
+    def picked(self):
+        return self.attempts[-1][0] if self.attempts and self.attempts[-1][1] else None
+
+
+def run_cycle(robot, locator):
+    cycle = Cycle()
+    while cycle.picked() is None and len(cycle.answers) < IMAGES:
+        answer = locator.locate()
+        cycle.answers.append(answer)
+        if answer.status not in (LocatePartResponse.OK, LocatePartResponse.DEADLOCK,
+                                 LocatePartResponse.NO_PART_FOUND):
+            raise RuntimeError("locator: " + answer.message)
+        part = answer.parts[0] if answer.parts else None
+        while part is not None:
+            success, message = robot.pick(matrix(part.picks[0].pose))
+            cycle.attempts.append((copy.deepcopy(part), success, message))
+            part = locator.report(part, success)
+    return cycle
+
+
+def main():
+    rospy.init_node("pick_program")
+    robot, locator = Robot(), Locator(rospy.get_param("~part", "bracket"))
+    refill = rospy.ServiceProxy("cell/refill", Trigger)  # in the demo, somebody brings a new bin
+    cycles = rospy.get_param("~cycles", 0)  # 0 = for ever
+    first = later = none = 0
+    while not rospy.is_shutdown() and (cycles == 0 or first + later + none < cycles):
+        cycle = run_cycle(robot, locator)
+        if cycle.picked() is None:
+            none += 1
+            print(f"no part could be picked: {cycle.answers[-1].message}")
+            print("new bin: " + refill().message)
+        elif len(cycle.attempts) == 1:
+            first += 1
+        else:
+            later += 1
+        seconds = sum(t.seconds for t in cycle.answers[-1].times if t.stage != "wait")
+        print(f"first match {first}, later match {later}, none {none}; "
+              f"last locate {seconds:.2f} s", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except rospy.ROSInterruptException:
+        pass
