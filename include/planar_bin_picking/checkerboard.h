@@ -53,8 +53,9 @@ struct BoardSighting {
   double square_px = 0.0;  ///< the shortest side of a square in the image
 };
 
-/// Finds the board: OpenCV's classic detector with a sub-pixel window that fits the squares, and
-/// where that one fails, its sector-based one.
+/// Finds the board by OpenCV's sector-based detector, and where that one fails, by its classic one
+/// (which comes second since it may take minutes where there is only part of a board); then refines
+/// the corners to sub-pixels in a window that fits the squares.
 /// @param image     grey, 8 or 16 bit
 /// @param blur_max  largest edge_px allowed, pixels
 /// @return  corners in an order that the board's looks allow: rows and columns as stated,

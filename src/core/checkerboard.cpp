@@ -26,36 +26,46 @@ cv::Mat toEightBit(const cv::Mat& image) {
   return out;
 }
 
-/// Corners of the classic detector, whole pixels only. Large images are searched small: the corners
-/// are refined in the full one anyway.
-std::vector<cv::Point2f> classic(const cv::Mat& image, const cv::Size& size) {
-  std::vector<cv::Point2f> corners;
-  const int flags =
-      cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
-  constexpr int kSmall = 1400;
-  const int shrink = (std::max(image.cols, image.rows) + kSmall - 1) / kSmall;
-  if (shrink > 1) {
-    cv::Mat small;
-    cv::resize(image, small, {}, 1.0 / shrink, 1.0 / shrink, cv::INTER_AREA);
-    if (cv::findChessboardCorners(small, size, corners, flags)) {
-      // Pixel (0, 0) is a pixel's centre in both.
-      for (cv::Point2f& p : corners) {
-        p = {(p.x + 0.5F) * shrink - 0.5F, (p.y + 0.5F) * shrink - 0.5F};
-      }
-      return corners;
+/// The image made smaller by a whole number, and its corners back in full size. Corners are refined
+/// in the full image anyway.
+struct Shrunk {
+  cv::Mat image;
+  float factor = 1.0F;
+
+  Shrunk(const cv::Mat& full, int largest) {
+    const int whole = (std::max(full.cols, full.rows) + largest - 1) / largest;
+    factor = static_cast<float>(whole);
+    image = full;
+    if (whole > 1) cv::resize(full, image, {}, 1.0 / whole, 1.0 / whole, cv::INTER_AREA);
+  }
+  /// Pixel (0, 0) is a pixel's centre in both.
+  void restore(std::vector<cv::Point2f>* corners) const {
+    for (cv::Point2f& p : *corners) {
+      p = {(p.x + 0.5F) * factor - 0.5F, (p.y + 0.5F) * factor - 0.5F};
     }
   }
-  // In full size without the fast check, which misses boards that fill little of the image.
-  if (!cv::findChessboardCorners(image, size, corners, flags & ~cv::CALIB_CB_FAST_CHECK)) {
-    corners.clear();
+};
+
+std::vector<cv::Point2f> sectorBased(const cv::Mat& image, const cv::Size& size) {
+  const Shrunk small(image, 1400);
+  std::vector<cv::Point2f> corners;
+  if (!cv::findChessboardCornersSB(small.image, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) {
+    return {};
   }
+  small.restore(&corners);
   return corners;
 }
 
-std::vector<cv::Point2f> sectorBased(const cv::Mat& image, const cv::Size& size) {
+/// The classic detector takes a minute and more to give up where a board is partly visible in a
+/// grainy image (87 s at 0.8 Mpx); in a small and smooth one it takes about a second.
+std::vector<cv::Point2f> classic(const cv::Mat& image, const cv::Size& size) {
+  Shrunk small(image, 700);
+  cv::GaussianBlur(small.image, small.image, {}, 1.0);
   std::vector<cv::Point2f> corners;
-  const int flags = cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_ACCURACY;
-  if (!cv::findChessboardCornersSB(image, size, corners, flags)) corners.clear();
+  const int flags =
+      cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
+  if (!cv::findChessboardCorners(small.image, size, corners, flags)) return {};
+  small.restore(&corners);
   return corners;
 }
 
@@ -92,6 +102,40 @@ float grey(const cv::Mat& image, const cv::Point2f& p) {
   cv::Mat pixel;
   cv::getRectSubPix(image, {3, 3}, p, pixel);
   return static_cast<float>(cv::mean(pixel)[0]);
+}
+
+/// Whether light and dark squares meet crosswise at every corner. A detector may take for corners
+/// what the edge of the paper and the outermost squares form.
+bool allCrossings(const cv::Mat& image, const Board& board,
+                  const std::vector<cv::Point2f>& corners) {
+  for (int r = 0; r < board.rows; ++r) {
+    for (int c = 0; c < board.cols; ++c) {
+      const int c0 = std::max(0, c - 1), c1 = std::min(board.cols - 1, c + 1);
+      const int r0 = std::max(0, r - 1), r1 = std::min(board.rows - 1, r + 1);
+      const cv::Point2f p = at(corners, board, c, r);
+      const cv::Point2f u = (0.3F / static_cast<float>(c1 - c0)) *
+                            (at(corners, board, c1, r) - at(corners, board, c0, r));
+      const cv::Point2f v = (0.3F / static_cast<float>(r1 - r0)) *
+                            (at(corners, board, c, r1) - at(corners, board, c, r0));
+      const std::pair<float, float> one =
+          std::minmax<float>(grey(image, p + u + v), grey(image, p - u - v));
+      const std::pair<float, float> two =
+          std::minmax<float>(grey(image, p + u - v), grey(image, p - u + v));
+      if (!(one.first > two.second || two.first > one.second)) return false;
+    }
+  }
+  return true;
+}
+
+std::vector<cv::Point2f> search(const cv::Mat& image, const Board& board) {
+  const cv::Size size(board.cols, board.rows);
+  // The sector-based detector wants 3 corners a side.
+  std::vector<cv::Point2f> corners;
+  if (board.cols > 2 && board.rows > 2) corners = sectorBased(image, size);
+  if (!corners.empty() && allCrossings(image, board, corners)) return corners;
+  corners = classic(image, size);
+  return !corners.empty() && allCrossings(image, board, corners) ? corners
+                                                                 : std::vector<cv::Point2f>();
 }
 
 /// How much darker the first square is than its neighbours.
@@ -200,11 +244,8 @@ Board parseBoard(const std::string& text, double square) {
 BoardSighting findBoard(const cv::Mat& image, const Board& board, double blur_max) {
   validate(board);
   const cv::Mat grey_image = toEightBit(image);
-  const cv::Size size(board.cols, board.rows);
   BoardSighting out;
-  std::vector<cv::Point2f> corners = classic(grey_image, size);
-  // Only the sector-based detector takes boards of 2 corners a side for what they are not.
-  if (corners.empty() && board.cols > 2 && board.rows > 2) corners = sectorBased(grey_image, size);
+  std::vector<cv::Point2f> corners = search(grey_image, board);
   if (corners.empty()) return out;
   makeRightHanded(board, &corners);
   startAtDark(grey_image, board, &corners);
@@ -262,7 +303,7 @@ std::string findOtherBoard(const std::vector<cv::Mat>& images, const Board& boar
     const cv::Size size(board.cols + dc, board.rows + dr);
     if (size.width < 3 || size.height < 3) continue;
     const auto seen = std::count_if(some.begin(), some.end(), [&](const cv::Mat& image) {
-      return !classic(image, size).empty();
+      return !sectorBased(image, size).empty();
     });
     if (2 * static_cast<std::size_t>(seen) <= some.size()) continue;
     return std::to_string(size.width) + "x" + std::to_string(size.height);

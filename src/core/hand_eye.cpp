@@ -195,25 +195,41 @@ void leaveOneOut(const Work& work, const Adjusted& state, HandEyeResult* result)
   }
 }
 
+/// Why the lens of a solution cannot be used; "" where it can.
+std::string lensError(const Work& work, const Adjusted& state) {
+  try {
+    const Camera checked(toModel(state.chain.intrinsics, work.problem.width, work.problem.height));
+    return "";
+  } catch (const std::invalid_argument& e) {
+    return e.what();
+  }
+}
+
+std::optional<Adjusted> solveRobustly(Work* work, const std::array<double, 9>& intrinsics,
+                                      std::vector<ViewResult>* views) {
+  auto state = solveFrom(*work, intrinsics, false);
+  if (state && dropOutliers(*state, work, views)) state = solveFrom(*work, intrinsics, false);
+  return state;
+}
+
 /// The steps of a solve, each of which may be the last.
 void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findings,
            HandEyeResult* result) {
-  auto state = solveFrom(*work, intrinsics, false);
-  if (state && dropOutliers(*state, work, &result->views)) {
-    state = solveFrom(*work, intrinsics, false);
+  auto state = solveRobustly(work, intrinsics, &result->views);
+  if (state && !lensError(*work, *state).empty()) {
+    // Views that stay near the image's middle leave the lens beyond them open: a plainer one, then.
+    work->options.lens_share = 0.1;
+    state = solveRobustly(work, intrinsics, &result->views);
   }
   result->views_used = static_cast<int>(work->usable.size());
-  checkScale(*work, intrinsics, result);
+  // With too few views it is refused anyway.
+  const bool enough = result->views_used >= work->params.min_views;
+  if (enough) checkScale(*work, intrinsics, result);
   if (!state) return;
-  try {
-    const Camera checked(
-        toModel(state->chain.intrinsics, work->problem.width, work->problem.height));
-  } catch (const std::invalid_argument& e) {
-    findings->camera_error = e.what();
-    return;
-  }
+  findings->camera_error = lensError(*work, *state);
+  if (!findings->camera_error.empty()) return;
   fillSolution(*work, *state, result);
-  leaveOneOut(*work, *state, result);
+  if (enough) leaveOneOut(*work, *state, result);
 }
 
 Noise firstNoise(const HandEyeParams& params) {

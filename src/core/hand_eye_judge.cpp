@@ -56,7 +56,7 @@ struct Reasons {
 void judgeViews(const HandEyeProblem& problem, const HandEyeParams& params,
                 const Findings& findings, const HandEyeResult& result, Reasons* reasons) {
   std::size_t wrong = 0;
-  for (const ViewResult& view : result.views) wrong += view.used ? 0 : 1;
+  for (const ViewResult& view : result.views) wrong += view.why_not.empty() ? 0 : 1;
   const std::size_t count = problem.sightings.size();
   if (findings.late_by_one) {
     reasons->refusing.push_back(

@@ -65,7 +65,8 @@ struct Normals {
 };
 
 std::optional<Normals> normalsOf(const HandEyeProblem& problem,
-                                 const std::vector<const Sighting*>& views, const Adjusted& state) {
+                                 const std::vector<const Sighting*>& views,
+                                 const AdjustOptions& options, const Adjusted& state) {
   Normals out;
   out.information = Eigen::MatrixXd::Zero(kColumns, kColumns);
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -78,7 +79,8 @@ std::optional<Normals> normalsOf(const HandEyeProblem& problem,
   const auto lens = lensPrior(state.chain.intrinsics, problem.width, problem.height);
   for (std::size_t i = 0; i < lens.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    if (lens[i] > 0.0) out.information(k, k) += 1.0 / (lens[i] * lens[i]);
+    const double sigma = options.lens_share * lens[i];
+    if (sigma > 0.0) out.information(k, k) += 1.0 / (sigma * sigma);
   }
   return out;
 }
@@ -161,7 +163,7 @@ void estimateNoise(const HandEyeProblem& problem, const std::vector<const Sighti
                    const AdjustOptions& options, Adjusted* state) {
   weighCorners(problem, views, options, state);
   if (options.fixed_robot_noise) return;
-  const auto normals = normalsOf(problem, views, *state);
+  const auto normals = normalsOf(problem, views, options, *state);
   const auto covariance = normals ? invertInformation(normals->information, options) : std::nullopt;
   state->degenerate = !covariance;
   if (state->degenerate) return;
@@ -190,7 +192,7 @@ void estimateNoise(const HandEyeProblem& problem, const std::vector<const Sighti
 
 void estimateCovariance(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
                         const AdjustOptions& options, Adjusted* state) {
-  const auto normals = normalsOf(problem, views, *state);
+  const auto normals = normalsOf(problem, views, options, *state);
   const auto covariance = normals ? invertInformation(normals->information, options) : std::nullopt;
   state->degenerate = !covariance;
   state->covariance = covariance ? *covariance : Eigen::MatrixXd::Zero(kColumns, kColumns);

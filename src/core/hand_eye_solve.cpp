@@ -121,7 +121,8 @@ void solveOnce(const HandEyeProblem& problem, const std::vector<const Sighting*>
   if (options.fixed_camera) {
     problem_ceres.SetParameterBlockConstant(intrinsics.data());
   } else {
-    const auto lens = lensPrior(intrinsics, problem.width, problem.height);
+    auto lens = lensPrior(intrinsics, problem.width, problem.height);
+    for (double& sigma : lens) sigma *= options.lens_share;
     problem_ceres.AddResidualBlock(new PriorCost({lens.begin(), lens.end()}), nullptr,
                                    intrinsics.data());
   }

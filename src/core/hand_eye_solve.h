@@ -18,6 +18,7 @@ struct Noise {
 struct AdjustOptions {
   bool fixed_camera = false;
   bool free_scale = false;
+  double lens_share = 1.0;         ///< of the usual lens prior
   bool fixed_robot_noise = false;  ///< given by the user; otherwise estimated
   int rounds = 12;  ///< of re-estimating the noise; 0 = one solve with the noise as it is
 };
