@@ -160,8 +160,9 @@ void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result
   std::sort(distances.begin(), distances.end());
   result->working_distance = work.params.working_distance > 0.0 ? work.params.working_distance
                                                                 : distances[distances.size() / 2];
-  const ExpectedError error = expectedError(state.chain, state.covariance, work.problem.width,
-                                            work.problem.height, result->working_distance);
+  const ErrorModel model(state.chain, work.problem.width, work.problem.height,
+                         result->working_distance);
+  const ExpectedError error = model.of(state.covariance);
   result->expected_error_mm = 1e3 * error.metres;
   result->expected_error_deg = error.radians / kRadians;
 }

@@ -140,22 +140,26 @@ const char* nameOf(Verdict verdict) {
   return verdict == Verdict::kGood ? "GOOD" : verdict == Verdict::kPoor ? "POOR" : "REFUSED";
 }
 
-ExpectedError expectedError(const Chain& chain, const Eigen::MatrixXd& covariance, int width,
-                            int height, double distance) {
+ErrorModel::ErrorModel(const Chain& chain, int width, int height, double distance) {
   const Camera camera(toModel(chain.intrinsics, width, height));
-  double square_t = 0.0, square_r = 0.0;
-  int count = 0;
-  for (const auto& [u, v] :
-       {std::pair(0.5, 0.5), {0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}}) {
+  const std::pair<double, double> places[] = {
+      {0.5, 0.5}, {0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}};
+  for (const auto& [u, v] : places) {
     const Eigen::Vector2d p_ideal = camera.undistort({u * width, v * height});
     Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
     T_camera_part.translation() = distance * Eigen::Vector3d(p_ideal.x(), p_ideal.y(), 1.0);
-    const Eigen::Matrix<double, 6, 15> L = partByCalibration(chain, T_camera_part);
+    by_calibration_.push_back(partByCalibration(chain, T_camera_part));
+  }
+}
+
+ExpectedError ErrorModel::of(const Eigen::MatrixXd& covariance) const {
+  double square_t = 0.0, square_r = 0.0;
+  for (const auto& L : by_calibration_) {
     const Matrix6d of_part = L * covariance.topLeftCorner<15, 15>() * L.transpose();
     square_t += of_part.topLeftCorner<3, 3>().trace();
     square_r += of_part.bottomRightCorner<3, 3>().trace();
-    ++count;
   }
+  const auto count = static_cast<double>(by_calibration_.size());
   return {std::sqrt(square_t / count), std::sqrt(square_r / count)};
 }
 

@@ -14,9 +14,15 @@ struct ExpectedError {
 
 /// RMS error of the pose, in the mount's frame, of a small part that faces the camera at
 /// `distance`, over five places in the image: the error of T_mount_camera and, through the part's
-/// measured pose, that of the intrinsics, with all their correlations.
-ExpectedError expectedError(const Chain& chain, const Eigen::MatrixXd& covariance, int width,
-                            int height, double distance);
+/// measured pose, that of the intrinsics, with all their correlations. Set up once per chain.
+class ErrorModel {
+ public:
+  ErrorModel(const Chain& chain, int width, int height, double distance);
+  ExpectedError of(const Eigen::MatrixXd& covariance) const;
+
+ private:
+  std::vector<Eigen::Matrix<double, 6, 15>> by_calibration_;  // of each place's pose
+};
 
 /// What the checks before the solution found.
 struct Findings {

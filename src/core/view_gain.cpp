@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view_gain.h"
 
-#include "hand_eye_judge.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +14,15 @@ double uniform(double min, double max, std::mt19937* random) {
   return min + (max - min) * static_cast<double>((*random)()) / 4294967295.0;
 }
 
+Chain chainOf(const HandEyeProblem& problem, const HandEyeResult& solution) {
+  Chain chain;
+  chain.mounting = problem.mounting;
+  chain.intrinsics = fromModel(solution.camera);
+  chain.T_mount_camera = solution.T_mount_camera;
+  chain.T_other_board = solution.T_other_board;
+  return chain;
+}
+
 Eigen::Vector3d centreOf(const Board& board) { return 0.5 * board.corner(board.size() - 1); }
 
 }  // namespace
@@ -23,14 +30,11 @@ Eigen::Vector3d centreOf(const Board& board) { return 0.5 * board.corner(board.s
 ViewGain::ViewGain(const HandEyeProblem& problem, const HandEyeResult& solution, double margin_px,
                    double caution)
     : problem_(problem),
+      chain_(chainOf(problem, solution)),
+      model_(chain_, problem.width, problem.height, solution.working_distance),
       margin_px_(margin_px),
       caution_(caution),
-      distance_(solution.working_distance),
       weights_(problem.board.size(), 1.0) {
-  chain_.mounting = problem.mounting;
-  chain_.intrinsics = fromModel(solution.camera);
-  chain_.T_mount_camera = solution.T_mount_camera;
-  chain_.T_other_board = solution.T_other_board;
   options_.fixed_camera = problem.camera.has_value();
   // A handful of views may fit by chance: no robot and no corner is taken for better than this.
   noise_.pixel = std::max(0.05, solution.sigma_px);
@@ -49,8 +53,7 @@ ViewGain::ViewGain(const HandEyeProblem& problem, const HandEyeResult& solution,
   }
   covariance_ =
       invertInformation(information_, options_).value_or(Eigen::MatrixXd::Zero(kColumns, kColumns));
-  const ExpectedError now =
-      expectedError(chain_, covariance_, problem.width, problem.height, distance_);
+  const ExpectedError now = model_.of(covariance_);
   error_t_ = std::max(1e-9, now.metres);
   error_r_ = std::max(1e-9, now.radians);
 }
@@ -86,6 +89,13 @@ bool ViewGain::surelySeen(const Eigen::Isometry3d& T_base_flange) const {
   const Eigen::Isometry3d T_camera_board = chain_.cameraBoard(T_base_flange);
   // Seen from the front, and not too flat.
   if (!(T_camera_board.linear()(2, 2) > 0.5)) return false;
+  // Most draws fail without any uncertainty; derivatives cost more.
+  const auto seen = predict(chain_, T_base_flange, Increment(), problem_.board, false);
+  if (!seen) return false;
+  for (Eigen::Index i = 0; i < seen->pixels.size(); ++i) {
+    const int size = i % 2 == 0 ? problem_.width : problem_.height;
+    if (!(seen->pixels[i] > margin_px_ && seen->pixels[i] < size - 1 - margin_px_)) return false;
+  }
   const auto prediction = predict(chain_, T_base_flange, Increment(), problem_.board, true);
   if (!prediction) return false;
   const auto cols = static_cast<std::size_t>(problem_.board.cols);
@@ -112,8 +122,7 @@ std::optional<double> ViewGain::errorAfter(const Eigen::Isometry3d& T_base_flang
       information_ + viewInformation(chain_, noise_, problem_.board, T_base_flange, weights_),
       options_);
   if (!covariance) return std::nullopt;
-  const ExpectedError error =
-      expectedError(chain_, *covariance, problem_.width, problem_.height, distance_);
+  const ExpectedError error = model_.of(*covariance);
   return error.metres / error_t_ + error.radians / error_r_;
 }
 

@@ -4,7 +4,7 @@
 
 /// What a further view would be worth, and whether the board would surely be in it.
 
-#include "hand_eye_solve.h"
+#include "hand_eye_judge.h"
 
 #include <random>
 
@@ -39,7 +39,8 @@ class ViewGain {
   Noise noise_;
   Eigen::MatrixXd information_, covariance_;
   AdjustOptions options_;
-  double margin_px_, caution_, distance_;
+  ErrorModel model_;
+  double margin_px_, caution_;
   double error_t_ = 1.0, error_r_ = 1.0;  // at present
   std::vector<double> weights_;
 };

@@ -148,6 +148,15 @@ CellParams loadCellParams(const XmlRpcValue& tree) {
   return params;
 }
 
+CalibratorParams loadCalibratorParams(const XmlRpcValue& tree) {
+  CalibratorParams params;
+  Reader reader(tree, kCalibratorParams);
+  CalibratorParams::fields(params, reader);
+  reader.finish();
+  validate(params);
+  return params;
+}
+
 std::string describe(const LocatorParams& params) {
   Printer printer;
   planar_bin_picking::forEachField(params, printer);
@@ -157,6 +166,12 @@ std::string describe(const LocatorParams& params) {
 std::string describe(const CellParams& params) {
   Printer printer;
   CellParams::fields(params, printer);
+  return printer.text.str();
+}
+
+std::string describe(const CalibratorParams& params) {
+  Printer printer;
+  CalibratorParams::fields(params, printer);
   return printer.text.str();
 }
 

@@ -5,6 +5,7 @@
 /// ROS parameters -> parameter structs, driven by the structs' own lists of fields. A key that no
 /// field has is an error, so that a typing error cannot pass for a default.
 
+#include "calibrator_params.h"
 #include "cell_params.h"
 #include "planar_bin_picking/params.h"
 
@@ -23,9 +24,11 @@ XmlRpc::XmlRpcValue readTree(const ros::NodeHandle& pnh, const std::string& name
 /// allowed
 planar_bin_picking::LocatorParams loadLocatorParams(const XmlRpc::XmlRpcValue& tree);
 CellParams loadCellParams(const XmlRpc::XmlRpcValue& tree);
+CalibratorParams loadCalibratorParams(const XmlRpc::XmlRpcValue& tree);
 
 /// "key: value" of every field, one a line, for the log at start.
 std::string describe(const planar_bin_picking::LocatorParams& params);
 std::string describe(const CellParams& params);
+std::string describe(const CalibratorParams& params);
 
 }  // namespace planar_bin_picking_ros
