@@ -148,6 +148,15 @@ CellParams loadCellParams(const XmlRpcValue& tree) {
   return params;
 }
 
+CalibratorParams loadCalibratorParams(const XmlRpcValue& tree) {
+  CalibratorParams params;
+  Reader reader(tree, kCalibratorParams);
+  CalibratorParams::fields(params, reader);
+  reader.finish();
+  validate(params);
+  return params;
+}
+
 HdrNodeParams loadHdrNodeParams(const XmlRpcValue& tree) {
   HdrNodeParams params;
   Reader reader(tree, kHdrParams);
@@ -174,6 +183,12 @@ std::string describe(const LocatorParams& params) {
 std::string describe(const CellParams& params) {
   Printer printer;
   CellParams::fields(params, printer);
+  return printer.text.str();
+}
+
+std::string describe(const CalibratorParams& params) {
+  Printer printer;
+  CalibratorParams::fields(params, printer);
   return printer.text.str();
 }
 

@@ -18,11 +18,22 @@ constexpr char kOverlayTopic[] = "overlay";
 constexpr char kHdrImageTopic[] = "image_raw";
 constexpr char kTakeService[] = "take";
 
+// The calibrator's, below the node's name; the robot's service below the node's namespace.
+constexpr char kMoveRobotService[] = "move_robot";
+constexpr char kStartService[] = "start";
+constexpr char kAbortService[] = "abort";
+constexpr char kPlanService[] = "plan";
+constexpr char kAddSampleService[] = "add_sample";
+constexpr char kFinishService[] = "finish";
+constexpr char kStatusTopic[] = "status";
+constexpr char kPlanTopic[] = "plan_markers";
+
 // Private parameter trees; nothing else is read.
 constexpr char kLocatorParams[] = "locator";
 constexpr char kCellParams[] = "cell";
 constexpr char kHdrParams[] = "hdr";
 constexpr char kPickParams[] = "pick";
+constexpr char kCalibratorParams[] = "calibrator";
 
 /// Parent of the frames of parts that the latest image no longer shows. It hangs on nothing, so
 /// that looking such a part up fails instead of answering with where it once was.

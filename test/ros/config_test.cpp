@@ -91,6 +91,25 @@ TEST(Config, CellYamlHasKnownKeys) {
   EXPECT_GE(keys, 8);
 }
 
+/// A parameter as the YAML file has it.
+template <class T>
+T valueIn(const YAML::Node& root, const std::string& key) {
+  const auto slash = key.find('/');
+  return slash == std::string::npos ? root[key].as<T>()
+                                    : root[key.substr(0, slash)][key.substr(slash + 1)].as<T>();
+}
+
+TEST(Config, CalibratorYamlEqualsDefaults) {
+  const YAML::Node root = YAML::LoadFile(kConfig + "calibrator.yaml");
+  std::set<std::string> fields;
+  const CalibratorParams params;
+  CalibratorParams::fields(params, [&](const std::string& key, const auto& member, auto&&...) {
+    fields.insert(key);
+    EXPECT_EQ(valueIn<std::decay_t<decltype(member)>>(root, key), member) << key;
+  });
+  EXPECT_EQ(keysOf(root), fields);
+}
+
 TEST(Config, PartsLoad) {
   const PartLibrary library(kConfig + "parts");
   EXPECT_TRUE(library.errors().empty());

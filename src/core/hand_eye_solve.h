@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Bundle adjustment over everything at once, and what is known afterwards.
+
+#include "hand_eye_model.h"
+
+namespace planar_bin_picking {
+
+/// Noise that weighs the errors against each other; standard deviations per coordinate.
+struct Noise {
+  double pixel = 0.2;     ///< pixels
+  double robot_t = 1e-3;  ///< metres
+  double robot_r = 2e-3;  ///< radians
+};
+
+struct AdjustOptions {
+  bool fixed_camera = false;
+  bool free_scale = false;
+  double lens_share = 1.0;         ///< of the usual lens prior
+  bool fixed_robot_noise = false;  ///< given by the user; otherwise estimated
+  int rounds = 12;  ///< of re-estimating the noise; 0 = one solve with the noise as it is
+};
+
+/// State of the solution over some of the sightings.
+struct Adjusted {
+  Chain chain;
+  Noise noise;
+  std::vector<Vector6d> corrections;         ///< one per view
+  std::vector<std::vector<double>> weights;  ///< of each corner, 0..1
+  Eigen::MatrixXd covariance;                ///< kColumns square; zero where not estimated
+  bool converged = false;
+  bool degenerate = false;  ///< the covariance does not exist
+};
+
+/// Starts from `start` and the noise in it, weights corners robustly, re-estimates the noise.
+/// @param views  pointers to usable sightings
+Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+                const Adjusted& start, const AdjustOptions& options);
+
+/// A start without corrections.
+Adjusted startAt(const Chain& chain, const Noise& noise, std::size_t views, std::size_t corners);
+
+/// What one view tells about the shared parameters (kColumns square), its robot correction
+/// marginalised.
+/// @return  zero where the board is not in front of the camera
+Eigen::MatrixXd viewInformation(const Chain& chain, const Noise& noise, const Board& board,
+                                const Eigen::Isometry3d& T_base_flange,
+                                const std::vector<double>& weights);
+
+/// The inverse of the information over the estimated columns; the others stay zero.
+/// @return  nothing where it is singular
+std::optional<Eigen::MatrixXd> invertInformation(const Eigen::MatrixXd& information,
+                                                 const AdjustOptions& options);
+
+/// Residuals of a view: seen minus predicted. Empty where the prediction fails.
+std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
+                                       const Sighting& sighting, const Vector6d& correction);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// The calibrator as a ROS node. Does nothing before `~start`; then moves, looks and solves in a
+/// thread of its own, and says on the latched `~status` how it stands. A run ends with a status
+/// that begins with GOOD, POOR, REFUSED, ABORTED or FAILED.
+
+#include "calibrator_params.h"
+#include "image_source.h"
+#include "planar_bin_picking/calibration_file.h"
+#include "robot_mover.h"
+
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace planar_bin_picking_ros {
+
+class CalibratorRos {
+ public:
+  /// @throws std::exception  a parameter is wrong: which one and why
+  CalibratorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
+  ~CalibratorRos();
+  CalibratorRos(const CalibratorRos&) = delete;
+  CalibratorRos& operator=(const CalibratorRos&) = delete;
+
+ private:
+  using Request = std_srvs::Trigger::Request;
+  using Response = std_srvs::Trigger::Response;
+
+  /// A picture and where the flange was when it was taken.
+  struct Look {
+    planar_bin_picking::BoardSighting board;
+    Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
+    cv::Mat image;
+    Frame frame;
+  };
+
+  bool start(Request&, Response& response);
+  bool abort(Request&, Response& response);
+  bool plan(Request&, Response& response);
+  bool addSample(Request&, Response& response);
+  bool finish(Request&, Response& response);
+
+  void runThread();
+  /// Moves and looks until the run has enough. @return  the final status
+  std::string calibrate();
+  /// Goes to the pose and looks; tells the run what came of it.
+  void visit(const Eigen::Isometry3d& T_base_flange, bool move,
+             planar_bin_picking::CalibrationRun* run);
+  /// @throws std::runtime_error  no image, no transform
+  Look look();
+  planar_bin_picking::HandEyeProblem emptyProblem(const Look& look) const;
+  std::string save(const planar_bin_picking::HandEyeProblem& problem,
+                   const planar_bin_picking::HandEyeResult& result);
+  void setStatus(const std::string& text);
+  void checkStop() const;
+
+  const CalibratorParams params_;
+  const planar_bin_picking::Board board_;
+  ros::CallbackQueue image_queue_, call_queue_;
+  ros::NodeHandle image_nh_, call_pnh_;
+  tf2_ros::Buffer tf_buffer_;
+  tf2_ros::TransformListener tf_listener_;
+  tf2_ros::StaticTransformBroadcaster broadcaster_;
+  ImageSource source_;
+  RobotMover robot_;
+  std::atomic<bool> running_{false}, stop_{false};
+  std::mutex start_mutex_, sample_mutex_, status_mutex_;
+  std::thread thread_;
+  std::unique_ptr<planar_bin_picking::HandEyeProblem> samples_;  // of push mode
+  std::string camera_frame_;                                     // of the latest image
+  ros::Publisher status_, markers_;
+  std::vector<ros::ServiceServer> services_;
+  ros::AsyncSpinner image_spinner_, call_spinner_;
+};
+
+}  // namespace planar_bin_picking_ros

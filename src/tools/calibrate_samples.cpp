@@ -1,0 +1,279 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Calibrates camera and hand-eye from pictures and robot poses on disk, with no ROS master.
+/// Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.
+
+#include "planar_bin_picking/calibration_file.h"
+
+#include <yaml-cpp/yaml.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+namespace planar_bin_picking {
+namespace {
+
+const char kUsage[] =
+    "usage: calibrate_samples --board 9x6 --square 0.0236 --mode eye_in_hand|eye_to_hand\n"
+    "                         --samples samples.yaml [--camera-info F] --output DIR\n"
+    "\n"
+    "  --board CxR       inner corners of the checkerboard, along its rows x along its columns\n"
+    "  --square M        side of a square, metres\n"
+    "  --mode MODE       eye_in_hand: the camera is on the flange, the board stands still;\n"
+    "                    eye_to_hand: the camera stands still, the board is on the flange\n"
+    "  --samples F       list of {image: path, position: [x, y, z], orientation: [x, y, z, w]},\n"
+    "                    T_base_flange in metres; paths are relative to this file\n"
+    "  --camera-info F   intrinsics to hold fixed, as ROS writes them; otherwise estimated\n"
+    "  --output DIR      gets calibration.yaml and report.html, and unless the verdict is REFUSED\n"
+    "                    camera_info.yaml and hand_eye.yaml\n";
+
+/// Edges wider than this say that the camera was not in focus, or moved; pixels.
+constexpr double kBlurMax = 5.0;
+
+struct Options {
+  std::string board, square, mode, samples, camera_info, output;
+  bool help = false;
+};
+
+Options parseOptions(const std::vector<std::string>& arguments) {
+  Options options;
+  const std::map<std::string, std::string*> texts = {
+      {"--board", &options.board},   {"--square", &options.square},
+      {"--mode", &options.mode},     {"--samples", &options.samples},
+      {"--output", &options.output}, {"--camera-info", &options.camera_info}};
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& option = arguments[i];
+    if (option == "--help" || option == "-h") {
+      options.help = true;
+      return options;
+    }
+    if (texts.count(option) == 0) {
+      throw std::invalid_argument("unknown option \"" + option + "\"; see --help");
+    }
+    if (++i == arguments.size() || arguments[i].empty()) {
+      throw std::invalid_argument(option + " needs a value; see --help");
+    }
+    *texts.at(option) = arguments[i];
+  }
+  for (const char* option : {"--board", "--square", "--mode", "--samples", "--output"}) {
+    if (texts.at(option)->empty()) {
+      throw std::invalid_argument(std::string(option) + " is missing; see --help");
+    }
+  }
+  return options;
+}
+
+double metres(const std::string& option, const std::string& text) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  double value = 0.0;
+  if (!(in >> value) || !in.eof() || !std::isfinite(value) || value <= 0.0) {
+    throw std::invalid_argument(option + " is \"" + text + "\", must be metres greater than 0");
+  }
+  return value;
+}
+
+Mounting parseMode(const std::string& text) {
+  if (text == "eye_in_hand") return Mounting::kEyeInHand;
+  if (text == "eye_to_hand") return Mounting::kEyeToHand;
+  throw std::invalid_argument("--mode is \"" + text + "\", must be eye_in_hand or eye_to_hand");
+}
+
+struct Sample {
+  std::string name;
+  std::filesystem::path image;
+  Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
+};
+
+std::vector<double> numbers(const YAML::Node& node, const std::string& what, std::size_t count) {
+  std::vector<double> out;
+  for (std::size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
+    std::istringstream in(node[i].IsScalar() ? node[i].Scalar() : "");
+    in.imbue(std::locale::classic());
+    double value = 0.0;
+    if (in >> value && in.eof() && std::isfinite(value)) out.push_back(value);
+  }
+  if (out.size() != count || node.size() != count) {
+    throw std::runtime_error(what + " must be a list of " + std::to_string(count) + " numbers");
+  }
+  return out;
+}
+
+Sample readSample(const YAML::Node& node, const std::string& where) {
+  if (!node.IsMap()) throw std::runtime_error(where + ": is no {image, position, orientation}");
+  for (const auto& entry : node) {
+    const std::string key = entry.first.Scalar();
+    if (key != "image" && key != "position" && key != "orientation") {
+      throw std::runtime_error(where + ": unknown key \"" + key +
+                               "\"; known are image, position, orientation");
+    }
+  }
+  if (!node["image"] || !node["image"].IsScalar()) {
+    throw std::runtime_error(where + ": image is missing");
+  }
+  Sample sample;
+  sample.name = node["image"].Scalar();
+  const auto p = numbers(node["position"], where + ": position", 3);
+  const auto o = numbers(node["orientation"], where + ": orientation", 4);
+  const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
+  if (std::abs(q.norm() - 1.0) > 1e-3) {
+    throw std::runtime_error(where + ": orientation must be a quaternion x y z w of length 1");
+  }
+  sample.T_base_flange = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
+  return sample;
+}
+
+std::vector<Sample> loadSamples(const std::string& path) {
+  YAML::Node root;
+  try {
+    root = YAML::LoadFile(path);
+  } catch (const YAML::BadFile&) {
+    throw std::runtime_error(path + ": cannot be read; check the path and its permissions");
+  } catch (const YAML::Exception& e) {
+    throw std::runtime_error(path + ": is not valid YAML: " + e.what());
+  }
+  if (!root.IsSequence() || root.size() == 0) {
+    throw std::runtime_error(path + ": must be a list of {image, position, orientation}");
+  }
+  std::vector<Sample> samples;
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  for (std::size_t i = 0; i < root.size(); ++i) {
+    samples.push_back(readSample(root[i], path + ": sample " + std::to_string(i + 1)));
+    samples.back().image = folder / samples.back().name;
+  }
+  return samples;
+}
+
+/// What the pictures show.
+struct Seen {
+  HandEyeProblem problem;
+  std::vector<std::string> without_board;  ///< "name: why"
+};
+
+cv::Mat loadImage(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path)) {
+    throw std::runtime_error(path.string() + ": cannot be read; there is no such file");
+  }
+  const cv::Mat image = cv::imread(path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  if (image.empty()) {
+    throw std::runtime_error(path.string() + ": cannot be read as a picture; check the path");
+  }
+  return image;
+}
+
+Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mounting) {
+  Seen seen;
+  seen.problem.mounting = mounting;
+  seen.problem.board = board;
+  for (const Sample& sample : samples) {
+    const cv::Mat image = loadImage(sample.image);
+    if (seen.problem.width == 0) {
+      seen.problem.width = image.cols;
+      seen.problem.height = image.rows;
+    }
+    if (image.cols != seen.problem.width || image.rows != seen.problem.height) {
+      throw std::runtime_error(sample.name + ": is " + std::to_string(image.cols) + " x " +
+                               std::to_string(image.rows) + ", the first picture is " +
+                               std::to_string(seen.problem.width) + " x " +
+                               std::to_string(seen.problem.height) + "; all must be of one camera");
+    }
+    const BoardSighting sighting = findBoard(image, board, kBlurMax);
+    if (sighting.status == BoardSighting::Status::kFound) {
+      seen.problem.sightings.push_back({sample.name, sample.T_base_flange, sighting.corners});
+    } else {
+      const bool blurred = sighting.status == BoardSighting::Status::kBlurred;
+      seen.without_board.push_back(sample.name + (blurred ? ": blurred" : ": no board found"));
+    }
+  }
+  return seen;
+}
+
+/// Adds to the reasons what the solver cannot know: why pictures show no board.
+void explainMissingBoards(const std::vector<Sample>& samples, const Seen& seen,
+                          HandEyeResult* result) {
+  if (seen.without_board.empty()) return;
+  std::string reason = std::to_string(seen.without_board.size()) + " of " +
+                       std::to_string(samples.size()) + " pictures show no usable board of " +
+                       std::to_string(seen.problem.board.cols) + "x" +
+                       std::to_string(seen.problem.board.rows) + " inner corners (" +
+                       seen.without_board.front() + ")";
+  if (2 * seen.without_board.size() > samples.size()) {
+    std::vector<cv::Mat> images;
+    for (std::size_t i = 0; i < samples.size(); i += 1 + samples.size() / 6) {
+      images.push_back(loadImage(samples[i].image));
+    }
+    const std::string other = findOtherBoard(images, seen.problem.board);
+    if (!other.empty()) {
+      reason = "inner corners miscounted: most pictures show a board of " + other +
+               " inner corners; " + reason;
+    }
+  }
+  // On its own a missing board is no flaw of a result that is good.
+  if (result->verdict != Verdict::kGood) result->reasons.push_back(reason);
+}
+
+void print(const HandEyeResult& result, const Seen& seen) {
+  std::printf("%s: %d views used\n", nameOf(result.verdict), result.views_used);
+  for (const std::string& reason : result.reasons) std::printf("  - %s\n", reason.c_str());
+  for (const std::string& name : seen.without_board) std::printf("  %s\n", name.c_str());
+  for (std::size_t i = 0; i < result.views.size(); ++i) {
+    if (result.views[i].used || result.views[i].why_not.empty()) continue;
+    std::printf("  %s: not used: %s\n", seen.problem.sightings[i].name.c_str(),
+                result.views[i].why_not.c_str());
+  }
+  if (!result.solved) return;
+  const Eigen::Vector3d t = result.T_mount_camera.translation();
+  std::printf("%s [%.6f %.6f %.6f] m\n", result.transform_name.c_str(), t.x(), t.y(), t.z());
+  std::printf("fx %.3f fy %.3f cx %.3f cy %.3f\n", result.camera.fx, result.camera.fy,
+              result.camera.cx, result.camera.cy);
+  std::printf("residual %.3f px, chain %.3f px, floor %.3f px; robot noise %.3f mm %.4f deg\n",
+              result.rms_px, result.chain_px, result.pnp_floor_px, result.robot_mm,
+              result.robot_deg);
+  std::printf("expected error %.3f mm %.4f deg at %.3f m\n", result.expected_error_mm,
+              result.expected_error_deg, result.working_distance);
+}
+
+int run(const Options& options) {
+  const Board board = parseBoard(options.board, metres("--square", options.square));
+  const Mounting mounting = parseMode(options.mode);
+  const std::vector<Sample> samples = loadSamples(options.samples);
+  std::optional<Camera::Model> camera;
+  if (!options.camera_info.empty()) camera = loadCamera(options.camera_info).model();
+  Seen seen = look(samples, board, mounting);
+  seen.problem.camera = camera;
+  HandEyeResult result = solveHandEye(seen.problem, {});
+  explainMissingBoards(samples, seen, &result);
+  CalibrationNames names;
+  if (mounting == Mounting::kEyeToHand) names.mount_frame = "base";
+  saveCalibration(options.output, seen.problem, result, names);
+  print(result, seen);
+  return result.verdict == Verdict::kRefused ? 3 : 0;
+}
+
+}  // namespace
+}  // namespace planar_bin_picking
+
+int main(int argc, char** argv) {
+  using namespace planar_bin_picking;
+  try {
+    const Options options = parseOptions({argv + 1, argv + argc});
+    if (options.help) {
+      std::fputs(kUsage, stdout);
+      return 0;
+    }
+    return run(options);
+  } catch (const std::exception& e) {
+    std::string line = e.what();
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    std::fprintf(stderr, "calibrate_samples: %s\n", line.c_str());
+    return 2;
+  }
+}

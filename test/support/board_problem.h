@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// The simulated cell's observations as the solver takes them.
+
+#include "planar_bin_picking/hand_eye.h"
+#include "sim/board_cell.h"
+
+namespace planar_bin_picking {
+
+inline HandEyeProblem emptyProblem(const sim::BoardCell& cell) {
+  HandEyeProblem problem;
+  problem.mounting = cell.in_hand ? Mounting::kEyeInHand : Mounting::kEyeToHand;
+  problem.board = {cell.cols, cell.rows, cell.square};
+  problem.width = cell.camera.width;
+  problem.height = cell.camera.height;
+  return problem;
+}
+
+/// One sighting from where the robot stands; false where the board is not all in the image.
+inline bool addSighting(const sim::BoardCell& cell, const Eigen::Isometry3d& T_base_flange,
+                        std::mt19937* random, HandEyeProblem* problem) {
+  Sighting sighting;
+  if (!sim::seeCorners(cell, cell.cameraBoard(T_base_flange), random, &sighting.corners))
+    return false;
+  sighting.name = "view " + std::to_string(problem->sightings.size() + 1);
+  sighting.T_base_flange = sim::reported(cell, T_base_flange, random);
+  problem->sightings.push_back(sighting);
+  return true;
+}
+
+/// `count` random views; the distance lets the board fill a good half of the image.
+inline HandEyeProblem randomProblem(const sim::BoardCell& cell, int count, std::mt19937* random,
+                                    double tilt_deg = 35.0) {
+  HandEyeProblem problem = emptyProblem(cell);
+  const double distance = 1.7 * cell.square * cell.cols * cell.camera.fx / cell.camera.width;
+  while (static_cast<int>(problem.sightings.size()) < count) {
+    const auto T_camera_board = sim::randomView(cell, distance, tilt_deg, 0.6, random);
+    addSighting(cell, cell.flangeFor(T_camera_board), random, &problem);
+  }
+  return problem;
+}
+
+}  // namespace planar_bin_picking
