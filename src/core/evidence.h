@@ -13,7 +13,10 @@ namespace planar_bin_picking {
 /// distance. What is mere noise counts nothing.
 inline double supportOf(const EdgeHit& hit, double reach_px) {
   if (!hit.found) return 0.0;
-  const double off = hit.offset_px / reach_px;
+  // The wall's lower edge speaks for the pose as well as the upper one.
+  const double beyond =
+      hit.offset_px > 0.0f ? std::max(0.0f, hit.offset_px - hit.wall_px) : hit.offset_px;
+  const double off = beyond / reach_px;
   return std::max(0.0, 1.0 - off * off) * hit.cosine;
 }
 

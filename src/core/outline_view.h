@@ -60,6 +60,11 @@ inline Eigen::Isometry3d centreOf(const PartModel& part, Face face) {
   return T;
 }
 
+/// z of the far contour in the centre frame of a face, radii; 0 for a sheet of unknown thickness.
+inline double farContourOf(const PartModel& part, Face face) {
+  return (face == Face::kFront ? -1.0 : 1.0) * part.thickness() / part.radius();
+}
+
 /// T * exp(xi) with the translation of xi in radii; rotation first order is not enough, so exact.
 inline Eigen::Isometry3d stepped(const Eigen::Isometry3d& T, const Vector6d& xi, double radius) {
   const Eigen::Vector3d w = xi.tail<3>();

@@ -12,6 +12,7 @@ struct PosedPoint {
   Eigen::Vector2d pixel, normal;
   Eigen::Vector3d g_local;  // d(normal . pixel) / d(point), part axes, point in radii
   double out_px;            // pixels along the normal for a radius out of the material
+  double deep_px;           // pixels along the normal for a radius along z of the centre frame
 };
 
 /// @return  false where the point is not in front of the camera
@@ -24,10 +25,10 @@ inline bool posePoint(const Camera& camera, const LocalPoint& p, double radius,
   Eigen::Matrix2d lens;
   out->pixel = camera.distort({u, v}, &lens);
   const Eigen::Vector3d along = p.tx * x + p.ty * y, out_of = p.ty * x - p.tx * y;
-  const Eigen::Vector2d t =
-      lens * Eigen::Vector2d(along.x() - u * along.z(), along.y() - v * along.z());
-  const Eigen::Vector2d o =
-      lens * Eigen::Vector2d(out_of.x() - u * out_of.z(), out_of.y() - v * out_of.z());
+  const auto seen = [&](const Eigen::Vector3d& d) -> Eigen::Vector2d {
+    return lens * Eigen::Vector2d(d.x() - u * d.z(), d.y() - v * d.z());
+  };
+  const Eigen::Vector2d t = seen(along), o = seen(out_of);
   out->normal = Eigen::Vector2d(t.y(), -t.x()).normalized();
   if (out->normal.dot(o) < 0.0) out->normal = -out->normal;
   const Eigen::Vector2d n_ideal = lens.transpose() * out->normal;
@@ -35,6 +36,7 @@ inline bool posePoint(const Camera& camera, const LocalPoint& p, double radius,
                  (radius * inv_z *
                   Eigen::Vector3d(n_ideal.x(), n_ideal.y(), -(n_ideal.x() * u + n_ideal.y() * v)));
   out->out_px = out->normal.dot(o) * radius * inv_z;
+  out->deep_px = out->normal.dot(seen(T.linear().col(2))) * radius * inv_z;
   return true;
 }
 

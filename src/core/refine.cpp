@@ -61,7 +61,7 @@ void Refiner::align(const std::vector<LocalPoint>& points, const ImageReach& rea
   const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, pose->face);
   pose->image.T_camera_centre = pose->T_camera_part * T_part_centre;
   for (const double tukey : tukey_px) {
-    pose->image = stepInImage(edges_, camera_, points, outline.part->radius(),
+    pose->image = stepInImage(edges_, camera_, points, solidOf(*outline.part, pose->face),
                               pose->image.T_camera_centre, reach, tukey);
   }
   pose->T_camera_part = pose->image.T_camera_centre * T_part_centre.inverse();
@@ -118,8 +118,8 @@ double Refiner::supportAt(const Tracked& pose, const std::vector<LocalPoint>& po
                           double reach_px) const {
   std::vector<EdgeHit> hits;
   const auto& part = *outlines_[pose.part].part;
-  findHits(edges_, camera_, points, part.radius(), pose.T_camera_part * centreOf(part, pose.face),
-           kNarrow, &hits);
+  findHits(edges_, camera_, points, solidOf(part, pose.face),
+           pose.T_camera_part * centreOf(part, pose.face), kNarrow, &hits);
   return meanSupport(hits, reach_px);
 }
 

@@ -116,18 +116,24 @@ EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& r
   return hit;
 }
 
+/// Width of the side wall outside the outline, pixels.
+double wallOf(const Solid& solid, const PosedPoint& at) {
+  return std::max(0.0, solid.far_contour * at.deep_px);
+}
+
 }  // namespace
 
 void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
-              double radius, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
+              const Solid& solid, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
               std::vector<EdgeHit>* hits) {
   const auto taps = tapsOf(reach.sigma_px);
   hits->resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     PosedPoint at;
-    (*hits)[i] = posePoint(camera, points[i], radius, T_camera_centre, &at)
-                     ? bestEdge(edges, at, reach, taps)
-                     : EdgeHit{};
+    (*hits)[i] = {};
+    if (!posePoint(camera, points[i], solid.radius, T_camera_centre, &at)) continue;
+    (*hits)[i] = bestEdge(edges, at, reach, taps);
+    (*hits)[i].wall_px = static_cast<float>(wallOf(solid, at));
   }
 }
 
@@ -136,8 +142,15 @@ namespace {
 /// One associated point: offset(xi) = offset + row . xi (+ inset * out_px).
 struct Row {
   Vector6d J;
-  double offset, out_px;
+  double offset, out_px, trust;
 };
+
+/// Where the side wall is in view and narrow, its lower edge may be the stronger one, and nothing
+/// tells which of the two was found: the rest of the outline should hold the pose.
+double trustOf(double wall_px, double reach_px) {
+  constexpr double kUnseen = 0.5, kAmbiguous = 0.3;
+  return wall_px < kUnseen || wall_px > reach_px + 2.0 ? 1.0 : kAmbiguous;
+}
 
 struct WeightedSystem {
   Matrix6d H = Matrix6d::Zero();
@@ -154,11 +167,11 @@ WeightedSystem weigh(const std::vector<Row>& rows, const Vector6d& xi, double tu
     const double r = row.J.dot(xi) - row.offset;
     const double e = 1.0 - r * r * inv2;
     if (e <= 0.0) {
-      s.cost += 1.0;
+      s.cost += row.trust;
       continue;
     }
-    s.cost += 1.0 - e * e * e;
-    const Vector6d wJ = (e * e) * row.J;
+    s.cost += row.trust * (1.0 - e * e * e);
+    const Vector6d wJ = (row.trust * e * e) * row.J;
     s.H.noalias() += wJ * row.J.transpose();
     s.b.noalias() += r * wJ;
     ++s.used;
@@ -169,19 +182,23 @@ WeightedSystem weigh(const std::vector<Row>& rows, const Vector6d& xi, double tu
 /// Covariance of the settled pose, and pose and inset together by the final weights.
 void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, ImagePose* out) {
   constexpr int kStretches = 24;
+  // What the residuals cannot tell: light, bevel and shadow move the edges of a whole side alike.
+  constexpr int kSides = 8;
+  constexpr double kBiasPx = 0.3;
   const double inv2 = 1.0 / (tukey_px * tukey_px);
   WeightedSystem s = weigh(rows, xi, tukey_px);
   Vector6d h = Vector6d::Zero();
   double hh = 0.0, c = 0.0;
   Matrix6d meat = Matrix6d::Zero();
-  Vector6d stretch = Vector6d::Zero();
+  Vector6d stretch = Vector6d::Zero(), shift = Vector6d::Zero();
   const int n = static_cast<int>(rows.size());
   for (int i = 0; i < n; ++i) {
     const Row& row = rows[i];
     const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r * inv2;
     if (e > 0.0) {
-      const double w = e * e;
+      const double w = row.trust * e * e;
       stretch += (w * r) * row.J;
+      shift += w * row.J;
       // The predicted edge moves inward: its offset along the outward normal falls by inset *
       // out_px.
       h -= (w * row.out_px) * row.J;
@@ -191,6 +208,10 @@ void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, Im
     if ((i + 1) * kStretches / n != i * kStretches / n) {
       meat += stretch * stretch.transpose();
       stretch.setZero();
+    }
+    if ((i + 1) * kSides / n != i * kSides / n) {
+      meat += (kBiasPx * kBiasPx) * shift * shift.transpose();
+      shift.setZero();
     }
   }
   s.H.diagonal().array() += 1e-6 * s.H.trace() + 1e-12;
@@ -217,7 +238,7 @@ double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tuk
 }  // namespace
 
 ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
-                      const std::vector<LocalPoint>& points, double radius,
+                      const std::vector<LocalPoint>& points, const Solid& solid,
                       const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
                       double tukey_px) {
   const auto taps = tapsOf(reach.sigma_px);
@@ -225,13 +246,14 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
   rows.reserve(points.size());
   for (const auto& p : points) {
     PosedPoint at;
-    if (!posePoint(camera, p, radius, T_camera_centre, &at)) continue;
+    if (!posePoint(camera, p, solid.radius, T_camera_centre, &at)) continue;
     const EdgeHit hit = bestEdge(edges, at, reach, taps);
     if (!hit.found) continue;
     Row row;
     row.J = normalJacobian(p, at);
     row.offset = hit.offset_px;
     row.out_px = at.out_px;
+    row.trust = trustOf(wallOf(solid, at), reach.reach_px);
     rows.push_back(row);
   }
   ImagePose out;
@@ -260,7 +282,7 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
   }
   out.used = system.used;
   if (out.used < 8) return out;
-  out.T_camera_centre = stepped(T_camera_centre, xi, radius);
+  out.T_camera_centre = stepped(T_camera_centre, xi, solid.radius);
   out.residual_px = robustSpread(rows, xi, tukey_px);
   judge(rows, xi, tukey_px, &out);
   return out;

@@ -17,8 +17,19 @@ namespace planar_bin_picking {
 struct EdgeHit {
   bool found = false;      ///< an edge above the noise within reach
   float offset_px = 0.0f;  ///< along the outward normal; negative = inside the outline
+  float wall_px = 0.0f;    ///< how wide the side wall is seen outside the outline; 0 = turned away
   float cosine = 0.0f;     ///< |cos| between image gradient and normal, Eq. (12)
 };
+
+/// Size of the body behind the outline.
+struct Solid {
+  double radius;             ///< metres
+  double far_contour = 0.0;  ///< z of the far contour in the centre frame, radii
+};
+
+inline Solid solidOf(const PartModel& part, Face face) {
+  return {part.radius(), farContourOf(part, face)};
+}
 
 struct ImageReach {
   int reach_px = 6;       ///< how far along the normal an edge is sought
@@ -28,7 +39,7 @@ struct ImageReach {
 
 /// Where each point would find its edge.
 void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
-              double radius, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
+              const Solid& solid, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
               std::vector<EdgeHit>* hits);
 
 struct ImagePose {
@@ -49,7 +60,7 @@ struct ImagePose {
 /// One association and a few damped, re-weighted Gauss-Newton steps with Tukey weights of width
 /// `tukey_px`. Cost: O(points * reach).
 ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
-                      const std::vector<LocalPoint>& points, double radius,
+                      const std::vector<LocalPoint>& points, const Solid& solid,
                       const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
                       double tukey_px);
 

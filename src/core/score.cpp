@@ -73,7 +73,7 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
       }
       moveInward(r.inset / part.radius(), &points);
       std::vector<EdgeHit> hits;
-      findHits(edges, camera, points, part.radius(), T, kReach, &hits);
+      findHits(edges, camera, points, solidOf(part, r.face), T, kReach, &hits);
       sum += meanSupport(hits, params.reach_px);
       if (kind == LoopKind::kOuter) out[i].visible_fraction = visibleFraction(hits, params);
     }

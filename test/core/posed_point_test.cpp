@@ -91,6 +91,21 @@ TEST(PosedPoint, PixelsPerRadiusOutOfTheMaterialEqualDifferences) {
   }
 }
 
+TEST(PosedPoint, PixelsPerRadiusOfDepthEqualDifferences) {
+  constexpr double kStep = 1e-5;
+  for (const Camera& camera : cameras()) {
+    for (const Case& c : randomCases()) {
+      const PosedPoint at = posed(camera, c.point, c.T_camera_centre);
+      const auto deeper = [&](double z) {
+        const Eigen::Isometry3d T = c.T_camera_centre * Eigen::Translation3d(0.0, 0.0, kRadius * z);
+        return at.normal.dot(posed(camera, c.point, T).pixel);
+      };
+      const double numeric = (deeper(kStep) - deeper(-kStep)) / (2.0 * kStep);
+      EXPECT_NEAR(at.deep_px, numeric, 1e-4);
+    }
+  }
+}
+
 TEST(PosedPoint, TheNormalIsAcrossTheImageOfTheTangent) {
   constexpr double kStep = 1e-5;
   for (const Camera& camera : cameras()) {
