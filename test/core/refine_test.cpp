@@ -56,8 +56,8 @@ TEST(Refine, TheCovarianceHoldsTheError) {
     sum += xi.dot(poses[0].covariance.ldlt().solve(xi));
     ++count;
   }
-  // Six per pose where it is honest in a real scene; a drawn one has none of the shifts that light and
-  // bevel cause along whole sides, which the covariance allows for.
+  // Six per pose where it is honest in a real scene; a drawn one has none of the shifts that light
+  // and bevel cause along whole sides, which the covariance allows for.
   EXPECT_LT(sum / count, 6.0);
   EXPECT_GT(sum / count, 0.02);
 }
