@@ -22,7 +22,7 @@ struct HoughParams {
   double yaw_step_deg = 5.0;
   double distance_step = 0.06;  ///< relative
   double tilt_max_deg = 40.0;
-  int raster_points = 96;  ///< along the outline
+  int raster_points = 80;  ///< along the outline
   double votes_min = 0.5;  ///< share of the highest possible vote
   int tile_cells = 4;
   int max_candidates = 800;
@@ -34,7 +34,7 @@ struct HoughParams {
     visit("yaw_step_deg", self.yaw_step_deg, 0.5, 30.0);
     visit("distance_step", self.distance_step, 0.005, 0.5);
     visit("tilt_max_deg", self.tilt_max_deg, 0.0, 60.0);
-    visit("raster_points", self.raster_points, 16, 480);
+    visit("raster_points", self.raster_points, 16, 85);
     visit("votes_min", self.votes_min, 0.0, 1.0);
     visit("tile_cells", self.tile_cells, 1, 64);
     visit("max_candidates", self.max_candidates, 2, 100000);
@@ -49,7 +49,8 @@ struct HoughTask {
 };
 
 /// @return  candidates, votes descending, ties by position and view; at most params.max_candidates
-/// Source: [1] Sec. II-B, II-C. Cost: O(views * raster points * cells); see test/benchmark.
+/// Source: [1] Sec. II-B, II-C. Cost: at most O(views * raster points * cells), of which the bars of
+/// the bins found so far (vote_planes.h) save about half.
 std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& task,
                                       const HoughParams& params, int threads);
 
