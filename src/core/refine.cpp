@@ -93,7 +93,7 @@ void Refiner::searchAround(Tracked* pose) const {
                                                                {0, 0, 0.12},
                                                                {0, 0, -0.12},
                                                                {-0.06, 0, 0}}};
-  if (pose->support > params_.search_below) return;
+  if (pose->searched || pose->support > params_.search_below) return;
   const auto& points = outlines_[pose->part].of(pose->face).coarse;
   const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose->part].part, pose->face);
   Tracked best = *pose;
@@ -111,7 +111,8 @@ void Refiner::searchAround(Tracked* pose) const {
     if (other.support > best.support) best = other;
   }
   alignWide(&best);
-  if (best.support > pose->support) *pose = best;
+  pose->searched = best.support <= pose->support;
+  if (!pose->searched) *pose = best;
 }
 
 double Refiner::supportAt(const Tracked& pose, const std::vector<LocalPoint>& points,

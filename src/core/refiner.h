@@ -30,6 +30,7 @@ struct Tracked {
   /// The same, tilted the other way, where the image cannot tell (else as T_camera_part).
   Eigen::Isometry3d T_camera_twin = Eigen::Isometry3d::Identity();
   bool ambiguous = false;
+  bool searched = false;  // about this very pose, in vain
 };
 
 /// The shape's points where the edges of one face are seen.
@@ -68,7 +69,7 @@ class Refiner {
   void alignNarrow(Tracked* pose) const;
   /// Restarts about a settled pose, since a neighbour's edge or a shadow may hold a side of the
   /// outline and with it the pose: farther and nearer ([1] Sec. III-E goes farther only), tilted to
-  /// all sides.
+  /// all sides. Does nothing where that was in vain before.
   void searchAround(Tracked* pose) const;
 
   /// Best first, at most max_poses of a part; of poses that agree within `distance` radii only the
