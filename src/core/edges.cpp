@@ -3,6 +3,7 @@
 #include "planar_bin_picking/edges.h"
 
 #include "parallel.h"
+#include "simd.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -162,32 +163,34 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, double
   }
 }
 
-bool sameDirection(std::uint8_t a, int bin) {
-  const int d = a - 1 - bin;
-  return a != 0 && ((d + 1 + kDirections) % kDirections) <= 2;
-}
+/// What the neighbours along a contour look like, by direction bin.
+struct Continuation {
+  std::array<std::array<int, 2>, kDirections> along;  // two pixels along the tangent
+  std::array<std::array<bool, kDirections + 1>, kDirections> alike{};  // [bin][mark]
+
+  Continuation() {
+    for (int b = 0; b < kDirections; ++b) {
+      along[b] = {static_cast<int>(std::lround(-2 * std::sin(b * M_PI / kDirections))),
+                  static_cast<int>(std::lround(2 * std::cos(b * M_PI / kDirections)))};
+      for (const int turn : {kDirections - 1, 0, 1}) alike[b][1 + (b + turn) % kDirections] = true;
+    }
+  }
+};
 
 /// An edgel counts when the contour goes on in both directions along its tangent.
 bool continues(const cv::Mat& marks, int x, int y, int bin) {
-  static const auto kTangent = [] {
-    std::array<std::array<int, 2>, kDirections> t{};
-    for (int b = 0; b < kDirections; ++b) {
-      t[b] = {static_cast<int>(std::lround(-2 * std::sin(b * M_PI / kDirections))),
-              static_cast<int>(std::lround(2 * std::cos(b * M_PI / kDirections)))};
-    }
-    return t;
-  }();
-  for (const int side : {-1, 1}) {
-    const int cx = x + side * kTangent[bin][0], cy = y + side * kTangent[bin][1];
+  static const Continuation kContinuation;
+  const auto& alike = kContinuation.alike[bin];
+  const int dx = kContinuation.along[bin][0], dy = kContinuation.along[bin][1];
+  const auto near = [&](int cx, int cy) {
     bool found = false;
-    for (int j = -1; j <= 1 && !found; ++j) {
-      for (int i = -1; i <= 1 && !found; ++i) {
-        found = sameDirection(marks.ptr<std::uint8_t>(cy + j)[cx + i], bin);
-      }
+    for (int j = -1; j <= 1; ++j) {
+      const auto* p = marks.ptr<std::uint8_t>(cy + j) + cx;
+      found |= alike[p[-1]] | alike[p[0]] | alike[p[1]];
     }
-    if (!found) return false;
-  }
-  return true;
+    return found;
+  };
+  return near(x + dx, y + dy) && near(x - dx, y - dy);
 }
 
 /// Ideal field positions of base pixels, on a coarse grid, bilinear between.
@@ -234,37 +237,35 @@ class UndistortGrid {
   std::vector<Eigen::Vector2d> grid_;
 };
 
-/// cur = min(cur, other + cost) for all directions of a pixel. No overflow: both are <=
-/// kFarDistance.
-inline void relax(std::uint8_t* cur, const std::uint8_t* other, std::uint8_t cost) {
-  for (int b = 0; b < kDirections; ++b) {
-    const auto v = static_cast<std::uint8_t>(other[b] + cost);
-    cur[b] = v < cur[b] ? v : cur[b];
+/// All directions of a pixel at once.
+typedef std::uint8_t Directions __attribute__((vector_size(kDirections), aligned(1), may_alias));
+
+inline Directions lower(const Directions& a, const Directions& b) { return a < b ? a : b; }
+
+/// One row of a pass of the 3-4 chamfer distance transform: every pixel from its neighbour `before`
+/// in the row and the three of the row `above`, in steps of +-1 pixel. No overflow: distances are
+/// at most kFarDistance.
+void relaxRow(int w, int step, const Directions* above, Directions* row) {
+  Directions before = row[0], left = above[0], here = above[0];
+  for (int k = 0; k < w; ++k, above += step, row += step) {
+    const Directions right = k + 1 < w ? above[step] : here;
+    const Directions side = lower(before, here) + 3, corner = lower(left, right) + 4;
+    before = *row = lower(*row, lower(side, corner));
+    left = here;
+    here = right;
   }
 }
 
 /// Two-pass 3-4 chamfer distance transform of all directions at once, of `h` rows of `w` pixels.
 void distanceTransform(int w, int h, std::uint8_t* d) {
-  const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(w) * kDirections;
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      std::uint8_t* p = d + y * row + x * kDirections;
-      if (x > 0) relax(p, p - kDirections, 3);
-      if (y == 0) continue;
-      relax(p, p - row, 3);
-      if (x > 0) relax(p, p - row - kDirections, 4);
-      if (x + 1 < w) relax(p, p - row + kDirections, 4);
-    }
-  }
+  const std::vector<std::uint8_t> far(static_cast<std::size_t>(w) * kDirections, kFarDistance);
+  const auto row = [&](std::uint8_t* of, int y) {
+    return reinterpret_cast<Directions*>(of) + static_cast<std::ptrdiff_t>(y) * w;
+  };
+  const auto* outside = reinterpret_cast<const Directions*>(far.data());
+  for (int y = 0; y < h; ++y) relaxRow(w, 1, y > 0 ? row(d, y - 1) : outside, row(d, y));
   for (int y = h - 1; y >= 0; --y) {
-    for (int x = w - 1; x >= 0; --x) {
-      std::uint8_t* p = d + y * row + x * kDirections;
-      if (x + 1 < w) relax(p, p + kDirections, 3);
-      if (y + 1 == h) continue;
-      relax(p, p + row, 3);
-      if (x + 1 < w) relax(p, p + row + kDirections, 4);
-      if (x > 0) relax(p, p + row - kDirections, 4);
-    }
+    relaxRow(w, -1, (y + 1 < h ? row(d, y + 1) : outside) + w - 1, row(d, y) + w - 1);
   }
 }
 
@@ -285,23 +286,43 @@ void distanceTransform(Field* field, int threads) {
   });
 }
 
+}  // namespace
+
 /// An edge of a neighbouring direction serves too, at a cost ([2]).
-void spreadDirections(Field* field, double cost_px, int y0, int y1) {
-  const int cost = static_cast<int>(std::lround(cost_px * kUnitsPerFieldPixel));
-  std::uint8_t ring[kDirections + 2];
-  for (int y = y0; y < y1; ++y) {
-    for (int x = 0; x < field->width; ++x) {
-      auto* p =
-          field->distance.data() + (static_cast<std::size_t>(y) * field->width + x) * kDirections;
-      std::copy(p, p + kDirections, ring + 1);
-      ring[0] = p[kDirections - 1];
-      ring[kDirections + 1] = p[0];
-      for (int b = 0; b < kDirections; ++b) {
-        const int side = std::min(ring[b], ring[b + 2]) + cost;
-        p[b] = static_cast<std::uint8_t>(std::min<int>(p[b], side));
-      }
+PBP_SIMD
+static void spreadDirections(Field* field, double cost_px, int y0, int y1) {
+  static_assert(kDirections == 16, "the turns below are written out");
+  typedef std::uint8_t Order __attribute__((vector_size(kDirections)));
+  constexpr Order kNext = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0};
+  constexpr Order kLast = {15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
+  const auto cost = static_cast<std::uint8_t>(std::lround(cost_px * kUnitsPerFieldPixel));
+  auto* p = reinterpret_cast<Directions*>(field->distance.data());
+  const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(y0) * field->width;
+  const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(y1) * field->width;
+  for (std::ptrdiff_t i = from; i < to; ++i) {
+    const Directions here = p[i];
+    const Directions side =
+        lower(__builtin_shuffle(here, kNext), __builtin_shuffle(here, kLast)) + cost;
+    p[i] = lower(here, side);
+  }
+}
+
+namespace {
+
+/// Places in the field's distances of the edgels that rows y0 to y1 hold.
+std::vector<std::size_t> placeEdgels(const cv::Mat& marks, const UndistortGrid& undistort,
+                                     const Field& field, int y0, int y1) {
+  std::vector<std::size_t> out;
+  for (int y = std::max(y0, 4); y < std::min(y1, marks.rows - 4); ++y) {
+    const auto* row = marks.ptr<std::uint8_t>(y);
+    for (int x = 4; x < marks.cols - 4; ++x) {
+      if (row[x] == 0 || !continues(marks, x, y, row[x] - 1)) continue;
+      const Eigen::Vector2d p = undistort(x, y);
+      const int u = static_cast<int>(p.x() + 0.5), v = static_cast<int>(p.y() + 0.5);
+      out.push_back((static_cast<std::size_t>(v) * field.width + u) * kDirections + row[x] - 1);
     }
   }
+  return out;
 }
 
 }  // namespace
@@ -325,16 +346,13 @@ EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams&
   Field& field = map.field;
   field.distance.assign(static_cast<std::size_t>(field.width) * field.height * kDirections,
                         kFarDistance);
-  for (int y = 4; y < marks.rows - 4; ++y) {
-    const auto* row = marks.ptr<std::uint8_t>(y);
-    for (int x = 4; x < marks.cols - 4; ++x) {
-      if (row[x] == 0 || !continues(marks, x, y, row[x] - 1)) continue;
-      const Eigen::Vector2d p = undistort(x, y);
-      const int u = static_cast<int>(p.x() + 0.5), v = static_cast<int>(p.y() + 0.5);
-      field.distance[(static_cast<std::size_t>(v) * field.width + u) * kDirections + row[x] - 1] =
-          0;
-      ++map.edgels;
-    }
+  std::vector<std::vector<std::size_t>> edgels(bands);
+  parallelFor(bands, threads, [&](int i) {
+    edgels[i] = placeEdgels(marks, undistort, field, i * kBand, (i + 1) * kBand);
+  });
+  for (const auto& places : edgels) {
+    for (const std::size_t place : places) field.distance[place] = 0;
+    map.edgels += places.size();
   }
   distanceTransform(&field, threads);
   parallelFor((field.height + kBand - 1) / kBand, threads, [&](int i) {
