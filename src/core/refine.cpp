@@ -128,15 +128,24 @@ RefinedPose Refiner::finish(const Tracked& pose) const {
   RefinedPose out;
   out.part = pose.part;
   out.face = pose.face;
-  out.T_camera_part = pose.T_camera_part;
   out.residual_px = pose.image.residual_px;
+  const PartModel& part = *outlines_[pose.part].part;
   const FaceOutline& outline = outlines_[pose.part].of(pose.face);
-  const double r = outlines_[pose.part].part->radius();
-  out.inset = outline.inset;
+  const double r = part.radius();
+  // This copy's own inset, as far as it is known better than that of all.
+  const double own = std::pow(r * pose.image.inset_sigma, 2),
+               all = std::pow(outline.inset_spread, 2);
+  const double share = all / (all + own);
+  const double more = share * pose.image.inset;
+  out.inset = outline.inset + r * more;
+  out.T_camera_part = stepped(pose.image.T_camera_centre, pose.image.per_inset * more, r) *
+                      centreOf(part, pose.face).inverse();
+  const double inset_sigma =
+      std::sqrt(std::pow((1.0 - share) * outline.inset_sigma, 2) + (1.0 - share) * all);
   // Below what any edge is good for: a tenth of a pixel over the whole outline is never beaten.
   constexpr double kFloorPx = 0.02;
   const double floor = kFloorPx * pose.T_camera_part.translation().z() / (camera_.model().fx * r);
-  const Vector6d per_inset = pose.image.per_inset * (outline.inset_sigma / r);
+  const Vector6d per_inset = pose.image.per_inset * (inset_sigma / r);
   Matrix6d covariance = pose.image.covariance + per_inset * per_inset.transpose();
   covariance.diagonal().array() += floor * floor;
   Vector6d unit;

@@ -219,9 +219,21 @@ void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, Im
   const Matrix6d inverse = solver.solve(Matrix6d::Identity());
   out->covariance = inverse * meat * inverse * (kStretches / (kStretches - 6.0));
   out->per_inset = -solver.solve(h);
-  out->inset_information = std::max(0.0, hh - h.dot(solver.solve(h)));
-  out->inset =
-      out->inset_information > 0.0 ? -(c - h.dot(solver.solve(s.b))) / out->inset_information : 0.0;
+  const Vector6d g = solver.solve(h);
+  const double information = hh - h.dot(g);
+  if (information <= 0.0) return;
+  out->inset = -(c - g.dot(s.b)) / information;
+  double variance = std::max(0.01, out->residual_px * out->residual_px) / information;
+  double side = 0.0;  // what a pixel of bias on a side does to the inset
+  for (int i = 0; i < n; ++i) {
+    const Row& row = rows[i];
+    const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r * inv2;
+    if (e > 0.0) side += row.trust * e * e * (row.out_px + g.dot(row.J)) / information;
+    if ((i + 1) * kSides / n == i * kSides / n) continue;
+    variance += kBiasPx * kBiasPx * side * side;
+    side = 0.0;
+  }
+  out->inset_sigma = std::sqrt(variance);
 }
 
 double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {

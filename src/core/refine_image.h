@@ -9,6 +9,7 @@
 #include "planar_bin_picking/camera.h"
 #include "planar_bin_picking/edge_map.h"
 
+#include <limits>
 #include <vector>
 
 namespace planar_bin_picking {
@@ -52,9 +53,8 @@ struct ImagePose {
   Vector6d per_inset = Vector6d::Zero();  ///< how xi follows an error of the inset, both in radii
   int used = 0;                           ///< points with a weight
   /// By how much the edges lie inside the outline everywhere (a bevelled cut edge), as this pose
-  /// alone tells: in radii, and its information for unit variance in pixels with the pose unknown,
-  /// too.
-  double inset = 0.0, inset_information = 0.0;
+  /// alone tells, and its standard deviation; both in radii, infinite where it cannot tell.
+  double inset = 0.0, inset_sigma = std::numeric_limits<double>::infinity();
 };
 
 /// One association and a few damped, re-weighted Gauss-Newton steps with Tukey weights of width

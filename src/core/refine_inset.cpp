@@ -2,22 +2,57 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "refiner.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace planar_bin_picking {
 
+namespace {
+
+struct Inset {
+  double value, variance;
+};
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+/// Variance of the true insets: what the measured ones scatter beyond their errors.
+double spreadOf(const std::vector<Inset>& measured) {
+  constexpr double kUnknown = 0.05e-3, kLeast = 0.02e-3;
+  constexpr std::size_t kFew = 4;
+  if (measured.size() < kFew) return kUnknown * kUnknown;
+  std::vector<double> values, squares, variances;
+  for (const auto& m : measured) values.push_back(m.value);
+  const double middle = median(values);
+  for (const auto& m : measured) {
+    squares.push_back((m.value - middle) * (m.value - middle));
+    variances.push_back(m.variance);
+  }
+  constexpr double kToVariance = 2.198;  // of a Gaussian's median square
+  return std::max(kLeast * kLeast, kToVariance * median(squares) - median(variances));
+}
+
+}  // namespace
+
 void Refiner::estimateInset(const std::vector<Tracked>& poses, std::size_t part, Face face) {
-  constexpr double kPrior = 0.15e-3, kSpread = 0.05e-3;
+  constexpr double kPrior = 0.15e-3, kWellSupported = 0.7;
   FaceOutline& outline = outlines_[part].faces[static_cast<int>(face)];
   const double radius = outlines_[part].part->radius();
-  double sum = 0.0, weight = 1.0 / (kPrior * kPrior);
+  std::vector<Inset> measured;
   for (const auto& p : poses) {
-    if (p.part != part || p.face != face || p.support < 0.7) continue;
-    if (p.image.inset_information <= 0.0) continue;
-    const double noise = radius * std::max(0.1, p.image.residual_px);
-    const double variance = noise * noise / p.image.inset_information + kSpread * kSpread;
-    sum += (outline.inset + radius * p.image.inset) / variance;
-    weight += 1.0 / variance;
+    if (p.part != part || p.face != face || p.support < kWellSupported) continue;
+    if (!std::isfinite(p.image.inset_sigma)) continue;
+    measured.push_back(
+        {outline.inset + radius * p.image.inset, std::pow(radius * p.image.inset_sigma, 2)});
+  }
+  const double spread = spreadOf(measured);
+  double sum = 0.0, weight = 1.0 / (kPrior * kPrior);
+  for (const auto& m : measured) {
+    sum += m.value / (m.variance + spread);
+    weight += 1.0 / (m.variance + spread);
   }
   const double inset = sum / weight;
   for (auto* points : {&outline.coarse, &outline.wide, &outline.fine}) {
@@ -25,6 +60,7 @@ void Refiner::estimateInset(const std::vector<Tracked>& poses, std::size_t part,
   }
   outline.inset = inset;
   outline.inset_sigma = std::sqrt(1.0 / weight);
+  outline.inset_spread = std::sqrt(spread);
 }
 
 void Refiner::estimateInsets(const std::vector<Tracked>& poses) {

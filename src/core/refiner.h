@@ -36,7 +36,8 @@ struct Tracked {
 /// The shape's points where the edges of one face are seen.
 struct FaceOutline {
   std::vector<LocalPoint> coarse, wide, fine;
-  double inset = 0.0, inset_sigma = 0.0;  // metres
+  // Metres; the mean over the copies, its standard deviation and that of one copy about it.
+  double inset = 0.0, inset_sigma = 0.0, inset_spread = 0.0;
 };
 
 /// What the levels need of a part, made once per call.
@@ -86,9 +87,11 @@ class Refiner {
   void settleTilts(std::vector<Tracked>* poses) const;
 
   /// How far the edges are seen inside the drawn outline: a bevelled, rounded or sheared cut shifts
-  /// the edges of all copies by about the same, those of the two faces by different amounts. One
-  /// number per part and face, from all well supported poses, unknown +- 0.15 mm beforehand; from
-  /// then on the outline is taken to lie there.
+  /// the edges of a copy all around, those of the two faces by different amounts, and the light
+  /// that a copy gets decides how far. One mean per part and face, from all well supported poses,
+  /// unknown
+  /// +- 0.15 mm beforehand, and the spread of the copies about it; from then on the outline is
+  /// taken to lie at the mean.
   void estimateInsets(const std::vector<Tracked>& poses);
 
   RefinedPose finish(const Tracked& pose) const;
