@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Last part of stage 3: what the poses of a picture tell about one another.
+
+#include "planar_bin_picking/part_model.h"
+#include "planar_bin_picking/types.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// How the faces of most parts lie: plates rest on one another and on one floor.
+struct CommonLie {
+  Eigen::Vector3d normal_camera;  ///< unit, toward the camera
+  double spread;                  ///< standard deviation of a face's normal about it, rad per axis
+};
+
+/// @return  nothing where the poses are too few to tell
+std::optional<CommonLie> commonLie(const std::vector<RefinedPose>& poses);
+
+/// The tilt is what a picture tells worst; where it leaves a tilt open, the way that the other
+/// parts lie is likely, and the more so the more alike these lie (an empirical Bayes estimate). A
+/// pose that clearly lies otherwise is left alone: a few parts lean on others or on the wall.
+void fuseWithCommonLie(const CommonLie& lie,
+                       const std::vector<std::shared_ptr<const PartModel>>& parts,
+                       std::vector<RefinedPose>* poses);
+
+}  // namespace planar_bin_picking
