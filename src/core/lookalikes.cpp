@@ -9,7 +9,6 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr int kAngles = 360;
-constexpr std::size_t kMost = 32;
 
 /// Distance to the outline's nearest sample, on a grid, up to the tolerance.
 class NearOutline {
@@ -85,22 +84,30 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, d
   };
   std::vector<Found> found;
   constexpr double kStep = 2.0 * M_PI / kAngles;
+  constexpr double kFlat = 0.02;  // a ring with a few small holes looks alike at every turn
+  // Turns that differ by a symmetry of the shape are the same, and so are the two faces of a shape
+  // that equals its mirror image.
+  const int order = std::max(1, symmetry.order);
   for (const bool flip : {false, true}) {
+    if (flip && symmetry.mirror) break;
     std::vector<double> nearness(kAngles);
     for (int k = 0; k < kAngles; ++k) {
       nearness[k] = mean(flip, kStep * k, [&](const auto& p) { return near.nearness(p); });
     }
-    for (int k = flip ? 0 : 1; k < kAngles; ++k) {
+    for (int k = flip ? 0 : 1; k * order < kAngles; ++k) {
       const double before = nearness[(k + kAngles - 1) % kAngles], here = nearness[k];
       const double after = nearness[(k + 1) % kAngles];
-      if (here < before || here <= after) continue;
-      const double angle = kStep * (k + 0.5 * (before - after) / (before - 2.0 * here + after));
+      double angle = kStep * k;
+      if (here >= before && here > after) {
+        angle += kStep * 0.5 * (before - after) / (before - 2.0 * here + after);
+      } else if (std::max(std::abs(here - before), std::abs(here - after)) > kFlat) {
+        continue;
+      }
       const double share = mean(flip, angle, near);
       if (share >= share_min) found.push_back({share, angle, flip});
     }
   }
   // Exact symmetries of the shape matter only where a print tells them apart.
-  const int order = std::max(1, symmetry.order);
   const auto exact = [&](const Found& f) {
     if (f.flip && !symmetry.mirror) return false;
     if (symmetry.order == 0) return true;
@@ -111,7 +118,6 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, d
   found.erase(std::remove_if(found.begin(), found.end(), exact), found.end());
   std::stable_sort(found.begin(), found.end(),
                    [](const Found& a, const Found& b) { return a.share > b.share; });
-  if (found.size() > kMost) found.resize(kMost);
   std::vector<Lookalike> out;
   for (int k = 0; k < order && part.hasPrint(); ++k) {
     const double angle = 2.0 * M_PI * k / order;
@@ -140,8 +146,8 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, d
 int findNearOrder(const PartModel& part, double share_min) {
   const int order = part.symmetry().order;
   if (order == 0) return 0;
-  std::vector<double> angles;  // of the turns that all but keep the shape, in (0, 2 pi)
-  for (int k = 1; k < order; ++k) angles.push_back(2.0 * M_PI * k / order);
+  const double range = 2.0 * M_PI / order;
+  std::vector<double> angles;  // of the turns that all but keep the shape, in (0, range)
   const double shape = static_cast<double>(
       std::count_if(part.outline().begin(), part.outline().end(),
                     [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; }));
@@ -149,16 +155,16 @@ int findNearOrder(const PartModel& part, double share_min) {
     if (other.flips || other.exact || other.only_lookalike.size() > (1.0 - share_min) * shape)
       continue;
     const Eigen::Matrix3d& R = other.T_part_lookalike.linear();
-    angles.push_back(std::fmod(std::atan2(R(1, 0), R(0, 0)) + 2.0 * M_PI, 2.0 * M_PI));
+    angles.push_back(std::fmod(std::atan2(R(1, 0), R(0, 0)) + 2.0 * M_PI, range));
   }
   const auto has = [&](double angle) {
     return std::any_of(angles.begin(), angles.end(),
                        [angle](double a) { return std::abs(a - angle) < 0.02; });
   };
-  for (int n = static_cast<int>(angles.size()) + 1; n > order; --n) {
+  for (int n = static_cast<int>(angles.size()) + 1; n > 1; --n) {
     bool all = true;
-    for (int k = 1; k < n && all; ++k) all = has(2.0 * M_PI * k / n);
-    if (all) return n;
+    for (int k = 1; k < n && all; ++k) all = has(range * k / n);
+    if (all) return n * order;
   }
   return order;
 }

@@ -127,15 +127,20 @@ FieldPose settleInField(const Field& field, const std::vector<LocalPoint>& point
   }
   FieldPose out;
   out.T_camera_centre = T_best;
+  out.support = supportInField(field, points, radius, T_best, 1.5 * params.field_reach_end_px);
+  return out;
+}
+
+double supportInField(const Field& field, const std::vector<LocalPoint>& points, double radius,
+                      const Eigen::Isometry3d& T_camera_centre, double reach_px) {
   double support = 0.0;
   for (const auto& p : points) {
     Seen s;
-    if (!see(field, T_best, radius, p, &s)) continue;
-    const double d = sample(field, s, seenBin(T_best, p, s)).d;
-    support += std::max(0.0, 1.0 - d / (1.5 * params.field_reach_end_px));
+    if (!see(field, T_camera_centre, radius, p, &s)) continue;
+    const double d = sample(field, s, seenBin(T_camera_centre, p, s)).d;
+    support += std::max(0.0, 1.0 - d / reach_px);
   }
-  out.support = support / points.size();
-  return out;
+  return points.empty() ? 0.0 : support / static_cast<double>(points.size());
 }
 
 }  // namespace planar_bin_picking

@@ -24,4 +24,8 @@ FieldPose settleInField(const Field& field, const std::vector<LocalPoint>& point
                         const Eigen::Isometry3d& T_camera_centre, double reach_px,
                         const RefineParams& params);
 
+/// Share of the points that lie on an edgel, graded to 0 at `reach_px` field pixels.
+double supportInField(const Field& field, const std::vector<LocalPoint>& points, double radius,
+                      const Eigen::Isometry3d& T_camera_centre, double reach_px);
+
 }  // namespace planar_bin_picking

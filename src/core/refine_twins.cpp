@@ -4,6 +4,7 @@
 #include "plane_pose.h"
 #include "pose_distance.h"
 #include "print_evidence.h"
+#include "refine_field.h"
 #include "refiner.h"
 
 #include <algorithm>
@@ -71,11 +72,30 @@ void Refiner::resolve(Tracked* pose) const {
   resolvePrint(pose);
 }
 
+namespace {
+
+std::vector<LocalPoint> pointsAt(const PartModel& part, const std::vector<int>& indices) {
+  constexpr std::size_t kEnough = 64;
+  const std::size_t stride = 1 + indices.size() / kEnough;
+  std::vector<LocalPoint> points;
+  for (std::size_t i = 0; i < indices.size(); i += stride) {
+    points.push_back(localPoint(part, indices[i]));
+  }
+  return points;
+}
+
+}  // namespace
+
 double Refiner::supportOn(const Tracked& pose, const PartModel& part,
                           const std::vector<int>& indices) const {
-  std::vector<LocalPoint> points;
-  for (const int i : indices) points.push_back(localPoint(part, i));
-  return supportAt(pose, points, kSupportNarrow);
+  return supportAt(pose, pointsAt(part, indices), kSupportNarrow);
+}
+
+double Refiner::supportInFieldOn(const Tracked& pose, const PartModel& part,
+                                 const std::vector<int>& indices) const {
+  constexpr double kReachPx = 2.0;
+  return supportInField(edges_.field, pointsAt(part, indices), part.radius(),
+                        pose.T_camera_part * centreOf(part, pose.face), kReachPx);
 }
 
 /// The plane that looks nearly the same: tilted the other way about the line of sight ([4]).
@@ -116,20 +136,32 @@ void Refiner::resolveTilt(Tracked* pose) const {
   if (gain > 0.0) *pose = *twin;
 }
 
+/// What tells a pose from a lookalike decides; first in the field, where a few points cost little.
 void Refiner::resolveShape(Tracked* pose) const {
-  Tracked best = *pose;
-  double best_gain = 0.0;
+  constexpr double kHopeless = -0.3;  // what an alignment does not make up for
+  constexpr std::size_t kMost = 8;
   const auto& part = *outlines_[pose->part].part;
-  const auto gain = [&](const Tracked& twin, const Lookalike& other) {
-    return supportOn(twin, part, other.only_lookalike) - supportOn(*pose, part, other.only_part);
+  struct Rival {
+    double gain;
+    const Lookalike* other;
   };
+  std::vector<Rival> rivals;
   for (const auto& other : part.lookalikes()) {
     if (other.exact) continue;
-    Tracked twin = twinOf(*pose, other);
-    constexpr double kHopeless = -0.3;  // what an alignment does not make up for
-    if (gain(twin, other) < std::max(kHopeless, best_gain - 0.5)) continue;
+    const double gain = supportInFieldOn(twinOf(*pose, other), part, other.only_lookalike) -
+                        supportInFieldOn(*pose, part, other.only_part);
+    if (gain > kHopeless) rivals.push_back({gain, &other});
+  }
+  std::stable_sort(rivals.begin(), rivals.end(),
+                   [](const Rival& a, const Rival& b) { return a.gain > b.gain; });
+  if (rivals.size() > kMost) rivals.resize(kMost);
+  Tracked best = *pose;
+  double best_gain = 0.0;
+  for (const auto& [gain, other] : rivals) {
+    Tracked twin = twinOf(*pose, *other);
     alignNarrow(&twin);
-    const double gained = gain(twin, other);
+    const double gained =
+        supportOn(twin, part, other->only_lookalike) - supportOn(*pose, part, other->only_part);
     if (gained > best_gain) {
       best_gain = gained;
       best = twin;

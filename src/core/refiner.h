@@ -105,6 +105,8 @@ class Refiner {
                    double reach_px) const;
   double supportOn(const Tracked& pose, const PartModel& part,
                    const std::vector<int>& indices) const;
+  double supportInFieldOn(const Tracked& pose, const PartModel& part,
+                          const std::vector<int>& indices) const;
   std::optional<Tracked> tiltTwin(const Tracked& pose) const;
   void resolveTilt(Tracked* pose) const;
   void resolveShape(Tracked* pose) const;
