@@ -185,6 +185,7 @@ void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, Im
   // What the residuals cannot tell: light, bevel and shadow move the edges of a whole side alike.
   constexpr int kSides = 8;
   constexpr double kBiasPx = 0.3;
+  constexpr double kInsetBiasPx = 0.1;  // most of it is what makes the inset, and no error of it
   const double inv2 = 1.0 / (tukey_px * tukey_px);
   WeightedSystem s = weigh(rows, xi, tukey_px);
   Vector6d h = Vector6d::Zero();
@@ -230,7 +231,7 @@ void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, Im
     const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r * inv2;
     if (e > 0.0) side += row.trust * e * e * (row.out_px + g.dot(row.J)) / information;
     if ((i + 1) * kSides / n == i * kSides / n) continue;
-    variance += kBiasPx * kBiasPx * side * side;
+    variance += kInsetBiasPx * kInsetBiasPx * side * side;
     side = 0.0;
   }
   out->inset_sigma = std::sqrt(variance);
