@@ -20,6 +20,9 @@ struct CellParams {
   /// it, metres. The distances then follow the camera.
   std::string bin_frame;
   std::vector<double> bin_min, bin_max;
+  /// Parts lie in a single layer on the plane z = 0 of this frame, such as a conveyor's; "" = no
+  /// such plane is known, but for ~locator/plane.
+  std::string plane_frame;
   /// std_srvs/Trigger, called before each wait for an image: a camera's software trigger, or
   /// the HDR node's `take`. "" = images come of themselves.
   std::string trigger_service;
@@ -39,6 +42,7 @@ struct CellParams {
     visit("bin_frame", self.bin_frame);
     visit("bin_min", self.bin_min);
     visit("bin_max", self.bin_max);
+    visit("plane_frame", self.plane_frame);
     visit("trigger_service", self.trigger_service);
     visit("image_timeout", self.image_timeout, 0.0, 3600.0);
     visit("tf_timeout", self.tf_timeout, 0.0, 60.0);

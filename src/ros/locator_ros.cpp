@@ -6,6 +6,7 @@
 #include "convert.h"
 #include "load_params.h"
 #include "names.h"
+#include "plane_frame.h"
 #include "refusal.h"
 #include "transforms.h"
 
@@ -43,13 +44,26 @@ FaceFilter faceFilter(const std::uint8_t face) {
                 "face is " + std::to_string(face) + "; it must be ANY (0), FRONT (1) or BACK (2)");
 }
 
-std::string nothingFound(const double threshold, const LocateRequest& request) {
+/// How many poses the plane ruled out.
+std::size_t offPlane(const planar_bin_picking::Report& report) {
+  const auto& stages = report.stages;
+  for (std::size_t i = 1; i < stages.size(); ++i)
+    if (stages[i].name == "plane") return stages[i - 1].out - stages[i].out;
+  return 0;
+}
+
+std::string nothingFound(const double threshold, const LocateRequest& request,
+                         const planar_bin_picking::Report& report) {
   char text[300];
   std::snprintf(text, sizeof text,
                 "nothing scored %.2f or more between %.3f and %.3f m from the camera; if there are "
                 "parts, look at ~overlay, check light, focus and these distances",
                 threshold, request.distance_min, request.distance_max);
-  return text;
+  const std::size_t off = offPlane(report);
+  if (off == 0) return text;
+  return text +
+         ("; " + std::to_string(off) + " poses lay off the plane: check where it is said to " +
+          "be, and the parts' thickness_mm");
 }
 
 }  // namespace
@@ -91,6 +105,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       picks_(loadPickParams(readTree(pnh, kPickParams))),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_) {
+  checkOnePlane(cell_, locator_.params().plane);
   ROS_INFO_STREAM("locator:" << describe(locator_.params()));
   ROS_INFO_STREAM("cell:" << describe(cell_));
   for (const auto& part : library_.parts()) ROS_INFO_STREAM("part '" << part.first << "' loaded");
@@ -152,7 +167,7 @@ void LocatorRos::answer(const Request& request, Response& response) {
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
   const auto T_target_camera = transform(answer.header.frame_id, image.frame_id, image.stamp);
-  const LocateRequest locate_request = makeRequest(request, parts, image);
+  const LocateRequest locate_request = makeRequest(request, answer);
   watch.lap("transform");
   {
     // One at a time: a call uses all cores anyway, and two would need twice the memory.
@@ -160,7 +175,8 @@ void LocatorRos::answer(const Request& request, Response& response) {
     watch.lap("queue");
     answer.result = locator_.locate(answer.grey, answer.camera, locate_request);
   }
-  watch.lap(answer.result.report.stages);
+  const planar_bin_picking::Report report = answer.result.report;
+  watch.lap(report.stages);
 
   for (const auto& detection : answer.result.detections) {
     answer.located.push_back(toMsg(detection, *parts.at(detection.part), T_target_camera));
@@ -181,7 +197,7 @@ void LocatorRos::answer(const Request& request, Response& response) {
                        " located parts can be offered: " + sorted.hint;
   } else {
     response.status = Response::NO_PART_FOUND;
-    response.message = nothingFound(locator_.params().score.threshold, locate_request);
+    response.message = nothingFound(locator_.params().score.threshold, locate_request, report);
   }
 }
 
@@ -235,18 +251,23 @@ Eigen::Isometry3d LocatorRos::transform(const std::string& target, const std::st
   return *found.T_target_source;
 }
 
-LocateRequest LocatorRos::makeRequest(const Request& request, const std::vector<PartPtr>& parts,
-                                      const std_msgs::Header& image) const {
+LocateRequest LocatorRos::makeRequest(const Request& request, const Answer& answer) const {
+  const std_msgs::Header& image = answer.frame.image->header;
   DistanceRange range{cell_.distance_min, cell_.distance_max};
   if (cell_.hasBin()) {
     range = distanceRange(cell_, transform(image.frame_id, cell_.bin_frame, image.stamp));
   }
   LocateRequest locate_request;
-  locate_request.parts = parts;
+  locate_request.parts = answer.parts;
   locate_request.distance_min = range.min;
   locate_request.distance_max = range.max;
   locate_request.face = faceFilter(request.face);
   locate_request.max_parts = request.max_parts;
+  if (!cell_.plane_frame.empty()) {
+    locate_request.plane =
+        planeOfFrame(cell_.plane_frame, transform(image.frame_id, cell_.plane_frame, image.stamp));
+  }
+  checkPlane(locate_request, answer.camera, locator_.params().plane);
   return locate_request;
 }
 
