@@ -9,6 +9,7 @@
 /// is kept with each failure and held against the new image. Frame `target` is that of the answers.
 
 #include "planar_bin_picking/camera.h"
+#include "planar_bin_picking/part_file.h"
 #include "planar_bin_picking/types.h"
 
 #include <opencv2/core/mat.hpp>
@@ -20,10 +21,12 @@
 namespace planar_bin_picking {
 
 struct PickParams {
-  double score_min = 0.0;       ///< parts below are refused, over and above the score's threshold
-  double visible_min = 0.0;     ///< share of the visible face
-  double tilt_max_deg = 90.0;   ///< of the face against the bin's floor, or against the image plane
-  double tool_radius = 0.0;     ///< metres, of the tool's shaft; 0 = walls are not looked at
+  double score_min = 0.0;      ///< parts below are refused, over and above the score's threshold
+  double visible_min = 0.0;    ///< share of the visible face
+  double tilt_max_deg = 90.0;  ///< of the face against the bin's floor, or against the image plane
+  /// Of the tool, where the part's file names no other: metres; 0 = walls are not looked at.
+  double tool_radius = 0.0;
+  double tool_height = 0.0;     ///< metres over the contact that are so wide; 0 = no end
   double wall_clearance = 0.0;  ///< metres between tool and wall on top of it
   int failures_max = 2;         ///< at one instance in an unchanged scene; then it is refused
   double same_place = 0.003;    ///< metres within which a detection is the instance that failed
@@ -35,6 +38,7 @@ struct PickParams {
     visit("visible_min", self.visible_min, 0.0, 1.0);
     visit("tilt_max_deg", self.tilt_max_deg, 0.0, 90.0);
     visit("tool_radius", self.tool_radius, 0.0, 1.0);
+    visit("tool_height", self.tool_height, 0.0, 10.0);
     visit("wall_clearance", self.wall_clearance, 0.0, 1.0);
     visit("failures_max", self.failures_max, 1, 1000);
     visit("same_place", self.same_place, 0.0, 1.0);
@@ -64,6 +68,7 @@ struct PickCandidate {
   double tilt_deg = 0.0;
   /// Origin = contact, z = stroke of the tool, into the part. May be empty: nothing to check.
   std::vector<Eigen::Isometry3d> T_target_pick;
+  PickTool tool;         ///< in place of the parameters', where it says something
   cv::Mat surroundings;  ///< see cutSurroundings; may be empty
 };
 
@@ -112,7 +117,8 @@ class PickPolicy {
   int recall(const PickCandidate& candidate);
   std::optional<Refused> refusal(const PickCandidate& candidate,
                                  const PickPlan::Offer& offer) const;
-  bool toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBin& bin) const;
+  /// The part's own, and what it does not say from the parameters.
+  PickTool toolOf(const PickCandidate& candidate) const;
 
   PickParams params_;
   std::vector<Failure> failures_;

@@ -38,6 +38,7 @@ PickCandidate candidateOf(const Answer& answer, const std::size_t i,
           : normal_camera.z();
   candidate.tilt_deg = std::acos(std::min(1.0, std::abs(cosine))) * 180.0 / M_PI;
   for (const auto& pick : located.picks) candidate.T_target_pick.push_back(fromMsg(pick.pose));
+  candidate.tool = part.file().tool;
   constexpr double kAround = 1.2;  // radii
   candidate.surroundings = planar_bin_picking::cutSurroundings(
       answer.grey, answer.camera, detection.T_camera_part, center, kAround * part.radius());

@@ -100,6 +100,35 @@ TEST(PickPolicy, LooksAtTheWholeShaft) {
   EXPECT_EQ(policy.plan({outward}, std::nullopt).offers.size(), 1u);
 }
 
+TEST(PickPolicy, AToolMayEndBelowTheWallsTop) {
+  PickParams params;
+  params.tool_radius = 0.01;
+  PickCandidate outward = candidateAt(0.17, 0);
+  outward.T_target_pick = {downAt(0.17, 0, 0.01, 20.0)};  // 3 cm up it is still clear of the wall
+  EXPECT_TRUE(PickPolicy(params).plan({outward}, binOf400x300()).offers.empty());
+  params.tool_height = 0.03;
+  EXPECT_EQ(PickPolicy(params).plan({outward}, binOf400x300()).offers.size(), 1u);
+}
+
+TEST(PickPolicy, APartsOwnToolComesFirst) {
+  PickParams params;
+  params.tool_radius = 0.01;
+  PickCandidate thin = candidateAt(0.18, 0), wide = thin, high = candidateAt(0.17, 0);
+  wide.tool.radius = 0.03;
+  high.T_target_pick = {downAt(0.17, 0, 0.01, 20.0)};
+  PickCandidate low = high;
+  low.tool.height = 0.03;
+  PickPolicy policy(params);
+  const auto plan = policy.plan({thin, wide, high, low}, binOf400x300());
+  EXPECT_EQ(order(plan), Order({0, 3}));
+  EXPECT_NE(plan.refused.at(0).text.find("0.030"), std::string::npos);
+  // Also where the parameters look at no walls, and the other way round.
+  EXPECT_EQ(order(PickPolicy(PickParams()).plan({thin, wide}, binOf400x300())), Order({0}));
+  thin = candidateAt(0.195, 0);
+  thin.tool.radius = 0.0;
+  EXPECT_EQ(policy.plan({thin}, binOf400x300()).offers.size(), 1u);
+}
+
 TEST(PickPolicy, OffersAFailedInstanceLast) {
   PickPolicy policy{PickParams()};
   const std::vector<PickCandidate> candidates = {candidateAt(0, 0), candidateAt(0.1, 0)};
