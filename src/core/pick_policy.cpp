@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/pick_policy.h"
 
+#include "pick_neighbours.h"
+
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -84,6 +86,26 @@ int PickPolicy::recall(const PickCandidate& candidate) {
   return 0;
 }
 
+void PickPolicy::lookAtNeighbours(const std::vector<PickCandidate>& candidates,
+                                  PickPlan::Offer* offer) const {
+  const PickCandidate& lower = candidates[offer->candidate];
+  const double radius = *toolOf(lower).radius;
+  const auto anyOther = [&](const auto& holds) {
+    return std::any_of(candidates.begin(), candidates.end(), [&](const PickCandidate& other) {
+      return &other != &lower && holds(other.face);
+    });
+  };
+  const auto covered =
+      std::stable_partition(offer->picks.begin(), offer->picks.end(), [&](const std::size_t pick) {
+        return !anyOther([&](const PickFace& upper) {
+          return isOver(upper, lower.face, lower.T_target_pick[pick], radius);
+        });
+      });
+  const bool has_pick = offer->picks.empty() || covered != offer->picks.begin();
+  offer->is_free =
+      has_pick && !anyOther([&](const PickFace& upper) { return liesOn(upper, lower.face); });
+}
+
 std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
                                            const PickPlan::Offer& offer) const {
   const auto refuse = [&](PickRefusal reason, const std::string& text) {
@@ -124,14 +146,23 @@ PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
     for (std::size_t k = 0; k < picks.size(); ++k)
       if (!looks_at_walls || toolIsFree(picks[k], *bin, room, *tool.height))
         offer.picks.push_back(k);
+    lookAtNeighbours(candidates, &offer);
     if (const auto refused = refusal(candidates[i], offer)) {
       plan.refused.push_back(*refused);
     } else {
       plan.offers.push_back(std::move(offer));
     }
   }
-  std::stable_sort(plan.offers.begin(), plan.offers.end(),
-                   [](const auto& a, const auto& b) { return a.failures < b.failures; });
+  const auto merit = [&](const PickPlan::Offer& offer) {
+    const PickCandidate& candidate = candidates[offer.candidate];
+    const double in_rank =  // as rank.h orders
+        candidate.score * candidate.visible_fraction * candidate.visible_fraction;
+    return offer.is_free ? in_rank : (1.0 - params_.load_discount) * in_rank;
+  };
+  std::stable_sort(plan.offers.begin(), plan.offers.end(), [&](const auto& a, const auto& b) {
+    if (a.failures != b.failures) return a.failures < b.failures;
+    return params_.load_discount > 0.0 && merit(a) > merit(b);
+  });
   return plan;
 }
 
