@@ -8,6 +8,7 @@
 #include "names.h"
 #include "plane_frame.h"
 #include "refusal.h"
+#include "timed_call.h"
 #include "transforms.h"
 
 #include <ros/console.h>
@@ -112,8 +113,6 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
   for (const auto& [name, error] : library_.errors()) {
     ROS_ERROR_STREAM("part '" << name << "' is not available: " << error);
   }
-  if (!cell_.trigger_service.empty())
-    trigger_ = image_nh_.serviceClient<std_srvs::Trigger>(cell_.trigger_service);
   service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
   report_service_ = call_pnh_.advertiseService(kReportPickService, &LocatorRos::serveReport, this);
   image_spinner_.start();
@@ -206,24 +205,34 @@ Frame LocatorRos::awaitFrame(const Request& request) {
     throw Refusal(Response::BAD_REQUEST,
                   "timeout is negative; zero means the cell's image_timeout");
   }
+  const bool triggers = !cell_.trigger_service.empty();
   const ros::Time not_before =
-      request.not_before.isZero() && trigger_ ? ros::Time::now() : request.not_before;
-  if (trigger_) trigger();
+      request.not_before.isZero() && triggers ? ros::Time::now() : request.not_before;
+  if (triggers) trigger();
   return source_.await(
       not_before, request.timeout.isZero() ? ros::Duration(cell_.image_timeout) : request.timeout);
 }
 
 void LocatorRos::trigger() {
   std_srvs::Trigger service;
-  if (!trigger_.call(service)) {
-    throw Refusal(Response::NO_IMAGE, "nobody answers " + trigger_.getService() +
-                                          "; start what takes the images, or correct "
-                                          "~cell/trigger_service");
+  const std::string name = image_nh_.resolveName(cell_.trigger_service);
+  switch (callWithin(image_nh_, name, cell_.trigger_timeout, &service)) {
+    case CallEnd::kAnswered:
+      // An image may come all the same: the HDR node passes a single exposure on.
+      if (!service.response.success) ROS_WARN_STREAM(name << ": " << service.response.message);
+      return;
+    case CallEnd::kLate:
+      throw Refusal(Response::NO_IMAGE,
+                    name +
+                        " did not answer within ~cell/trigger_timeout; look at the node that "
+                        "takes the images, or allow it more time");
+    case CallEnd::kNobody:
+    case CallEnd::kFailed:
+      break;
   }
-  // An image may come all the same: the HDR node passes a single exposure on.
-  if (!service.response.success) {
-    ROS_WARN_STREAM(trigger_.getService() << ": " << service.response.message);
-  }
+  throw Refusal(Response::NO_IMAGE, "nobody answers " + name +
+                                        "; start what takes the images, or correct "
+                                        "~cell/trigger_service");
 }
 
 PickKeeper::Frames LocatorRos::pickFrames(const std_msgs::Header& answer,

@@ -70,7 +70,6 @@ class LocatorRos {
   AnswerPublisher publisher_;
   PickKeeper picks_;
   std::mutex locate_mutex_;
-  ros::ServiceClient trigger_;  ///< invalid where there is no trigger_service
   ros::ServiceServer service_, report_service_;
   ros::AsyncSpinner image_spinner_, call_spinner_;
 };
