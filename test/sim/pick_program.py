@@ -16,6 +16,7 @@ from geometry_msgs.msg import PoseStamped
 from planar_bin_picking.srv import (LocatePart, LocatePartResponse, MoveRobot, ReportPick,
                                     ReportPickResponse)
 from std_srvs.srv import SetBool, Trigger
+from visualization_msgs.msg import Marker
 
 WAIT = 60.0  # s, for the nodes to come up
 ABOVE = 0.15  # m, over the part before and after the pick, along the tool's stroke
@@ -155,8 +156,26 @@ def run_cycle(robot, locator):
     return cycle
 
 
+class TallyDisplay:
+    """The count so far as a text beside the bin, for rviz."""
+
+    def __init__(self):
+        self.publisher = rospy.Publisher("tally", Marker, queue_size=1, latch=True)
+
+    def show(self, text):
+        marker = Marker(type=Marker.TEXT_VIEW_FACING, text=text)
+        marker.header.frame_id = "base"
+        marker.pose.position.y, marker.pose.position.z = 0.22, 0.1
+        marker.pose.orientation.w = 1.0
+        marker.scale.z = 0.02  # height of a letter
+        marker.color.r = marker.color.g = marker.color.b = marker.color.a = 1.0
+        self.publisher.publish(marker)
+        print(text.replace("\n", "; "), flush=True)
+
+
 def main():
     rospy.init_node("pick_program")
+    display = TallyDisplay()
     robot, locator = Robot(), Locator(rospy.get_param("~part", "bracket"))
     refill = rospy.ServiceProxy("cell/refill", Trigger)  # in the demo, somebody brings a new bin
     cycles = rospy.get_param("~cycles", 0)  # 0 = for ever
@@ -172,8 +191,8 @@ def main():
         else:
             later += 1
         seconds = sum(t.seconds for t in cycle.answers[-1].times if t.stage != "wait")
-        print(f"first match {first}, later match {later}, none {none}; "
-              f"last locate {seconds:.2f} s", flush=True)
+        display.show(f"first match {first}, later match {later}, none {none}\n"
+                     f"last locate {seconds:.2f} s")
     return 0
 
 
