@@ -160,7 +160,6 @@ class Tally:
                           (", pose wrong" if is_wrong else ", pose right")] += 1
         if cycle.picked() is None:
             self.deadlock += 1
-            self.left.append(len(truth.latest.parts))
             return "deadlock"
         error = truth.error(cycle.picked())
         self.errors.append(error)
@@ -201,6 +200,7 @@ def main():
         if reason is not None:
             recorder.save(f"{locator.part}_{i:04d}_{reason}", cycle)
         if cycle.picked() is None or len(truth.latest.parts) < max(1, arguments.refill_below):
+            tally.left.append(len(truth.latest.parts))  # 0 where the bin was emptied
             refill()
         print(f"first {tally.first}, later {tally.later}, deadlock {tally.deadlock}; "
               f"{(time.monotonic() - start) / (i + 1):.2f} s per cycle", flush=True)
