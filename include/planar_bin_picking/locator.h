@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// The stages composed: image -> edges -> candidates -> refined -> scored -> ranked.
+/// The stages composed: image -> edges -> candidates -> refined -> scored -> ranked; where a plane
+/// is known on which the parts lie, refined poses are fused with it (plane_prior.h).
 
 #include "planar_bin_picking/camera.h"
 #include "planar_bin_picking/params.h"
@@ -12,6 +13,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace planar_bin_picking {
@@ -22,7 +24,8 @@ struct LocateRequest {
   std::vector<std::shared_ptr<const PartModel>> parts;
   double distance_min = 0.0, distance_max = 0.0;  ///< metres along the optical axis
   FaceFilter face = FaceFilter::kAny;
-  std::size_t max_parts = 0;  ///< 0 = all
+  std::size_t max_parts = 0;   ///< 0 = all
+  std::optional<Plane> plane;  ///< in place of the one that LocatorParams::plane may say
 };
 
 struct LocateResult {
@@ -39,13 +42,16 @@ class Locator {
   /// @param image   8- or 16-bit, one channel, of the camera's size to within 2 columns and rows at
   ///                the far edges (some drivers pad or crop there)
   /// @throws std::invalid_argument  image empty, of another type or size; no part; distances not
-  ///         0 < min <= max
+  ///         0 < min <= max, or the plane outside of them
   LocateResult locate(const cv::Mat& image, const Camera& camera,
                       const LocateRequest& request) const;
 
   const LocatorParams& params() const { return params_; }
 
  private:
+  Distances searched(const Camera& camera, const LocateRequest& request, const PartModel& part,
+                     const std::optional<Plane>& plane) const;
+
   LocatorParams params_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "planar_bin_picking/edges.h"
 #include "planar_bin_picking/hough.h"
+#include "planar_bin_picking/plane_prior.h"
 #include "planar_bin_picking/rank.h"
 #include "planar_bin_picking/refine.h"
 #include "planar_bin_picking/score.h"
@@ -21,6 +22,7 @@ struct LocatorParams {
   EdgesParams edges;
   HoughParams hough;
   RefineParams refine;
+  PlaneParams plane;
   ScoreParams score;
   RankParams rank;
   int threads = 0;  ///< 0 = as many as the machine has cores
@@ -40,6 +42,7 @@ void forEachField(Params& params, Visit&& visit) {
   stage("edges", params.edges);
   stage("hough", params.hough);
   stage("refine", params.refine);
+  stage("plane", params.plane);
   stage("score", params.score);
   stage("rank", params.rank);
   visit(std::string("threads"), params.threads, 0, 64);

@@ -6,6 +6,7 @@
 /// the drawing alone. Made once per part, immutable, shared.
 
 #include "planar_bin_picking/part_file.h"
+#include "planar_bin_picking/pick_poses.h"
 #include "planar_bin_picking/symmetry.h"
 #include "planar_bin_picking/types.h"
 
@@ -45,6 +46,8 @@ class PartModel {
   double thickness() const { return file_.thickness; }
   double radius() const { return radius_; }  ///< of the circle about center(), metres
   const Eigen::Vector2d& center() const { return center_; }  ///< of the bounding box
+  /// Those of the file with their symmetric copies, see withSymmetricCopies.
+  const std::vector<PickPose>& pickPoses() const { return pick_poses_; }
   bool hasPrint() const { return has_print_; }
   /// Evenly spaced along all loops, loop by loop, in order; prints at the end.
   const std::vector<OutlinePoint>& outline() const { return outline_; }
@@ -61,6 +64,7 @@ class PartModel {
   Eigen::Vector2d center_ = Eigen::Vector2d::Zero();
   double radius_ = 0.0;
   bool has_print_ = false;
+  std::vector<PickPose> pick_poses_;
   std::vector<OutlinePoint> outline_;
   std::vector<Lookalike> lookalikes_;
   int near_order_ = 1;

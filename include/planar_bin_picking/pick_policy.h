@@ -9,6 +9,7 @@
 /// is kept with each failure and held against the new image. Frame `target` is that of the answers.
 
 #include "planar_bin_picking/camera.h"
+#include "planar_bin_picking/part_file.h"
 #include "planar_bin_picking/types.h"
 
 #include <opencv2/core/mat.hpp>
@@ -20,14 +21,19 @@
 namespace planar_bin_picking {
 
 struct PickParams {
-  double score_min = 0.0;       ///< parts below are refused, over and above the score's threshold
-  double visible_min = 0.0;     ///< share of the visible face
-  double tilt_max_deg = 90.0;   ///< of the face against the bin's floor, or against the image plane
-  double tool_radius = 0.0;     ///< metres, of the tool's shaft; 0 = walls are not looked at
+  double score_min = 0.0;      ///< parts below are refused, over and above the score's threshold
+  double visible_min = 0.0;    ///< share of the visible face
+  double tilt_max_deg = 90.0;  ///< of the face against the bin's floor, or against the image plane
+  /// Of the tool, where the part's file names no other: metres; 0 = walls are not looked at.
+  double tool_radius = 0.0;
+  double tool_height = 0.0;     ///< metres over the contact that are so wide; 0 = no end
   double wall_clearance = 0.0;  ///< metres between tool and wall on top of it
   int failures_max = 2;         ///< at one instance in an unchanged scene; then it is refused
   double same_place = 0.003;    ///< metres within which a detection is the instance that failed
   double changed_grey = 12.0;   ///< grey levels, mean over its surroundings, that are a change
+  /// Share of its merit that a part loses if another located part lies on it, or over each of its
+  /// pick poses; 0 = the rank stands, 1 = they are offered after all that are free.
+  double load_discount = 0.0;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -35,10 +41,12 @@ struct PickParams {
     visit("visible_min", self.visible_min, 0.0, 1.0);
     visit("tilt_max_deg", self.tilt_max_deg, 0.0, 90.0);
     visit("tool_radius", self.tool_radius, 0.0, 1.0);
+    visit("tool_height", self.tool_height, 0.0, 10.0);
     visit("wall_clearance", self.wall_clearance, 0.0, 1.0);
     visit("failures_max", self.failures_max, 1, 1000);
     visit("same_place", self.same_place, 0.0, 1.0);
     visit("changed_grey", self.changed_grey, 0.0, 255.0);
+    visit("load_discount", self.load_discount, 0.0, 1.0);
   }
 };
 
@@ -56,6 +64,15 @@ struct PickBin {
   Eigen::Vector3d min = Eigen::Vector3d::Zero(), max = Eigen::Vector3d::Zero();  ///< bin frame
 };
 
+/// The face of a part that is up.
+struct PickFace {
+  Eigen::Isometry3d T_target_part = Eigen::Isometry3d::Identity();
+  double z = 0.0;                        ///< of the face, part frame
+  double up = 1.0;                       ///< the way out of the part there: 1 or -1 along its z
+  double thickness = 0.0;                ///< metres; 0 = not known
+  std::vector<Eigen::Vector2d> contour;  ///< part frame; empty = not known
+};
+
 /// What the policy has to know about one detection.
 struct PickCandidate {
   std::string part;
@@ -64,6 +81,8 @@ struct PickCandidate {
   double tilt_deg = 0.0;
   /// Origin = contact, z = stroke of the tool, into the part. May be empty: nothing to check.
   std::vector<Eigen::Isometry3d> T_target_pick;
+  PickFace face;
+  PickTool tool;         ///< in place of the parameters', where it says something
   cv::Mat surroundings;  ///< see cutSurroundings; may be empty
 };
 
@@ -76,10 +95,14 @@ struct Refused {
 struct PickPlan {
   struct Offer {
     std::size_t candidate = 0;
-    std::vector<std::size_t> picks;  ///< of its pick poses, those that the tool can reach
+    /// Of its pick poses, those that the tool can reach: those that nothing lies over come first.
+    std::vector<std::size_t> picks;
     int failures = 0;
+    bool is_free = true;  ///< no other candidate lies on it, and not over all of its picks
   };
-  std::vector<Offer> offers;     ///< as given, but those that failed before after all others
+  /// As given, but for what is not free (see PickParams::load_discount), and what failed before
+  /// comes last.
+  std::vector<Offer> offers;
   std::vector<Refused> refused;  ///< as given
 };
 
@@ -110,9 +133,12 @@ class PickPolicy {
   Failure* find(const PickCandidate& candidate);
   /// How often picks failed there in the scene as it is; forgets them where it has changed.
   int recall(const PickCandidate& candidate);
+  /// Puts picks that another candidate lies over last, and says whether the offer is free.
+  void lookAtNeighbours(const std::vector<PickCandidate>& candidates, PickPlan::Offer* offer) const;
   std::optional<Refused> refusal(const PickCandidate& candidate,
                                  const PickPlan::Offer& offer) const;
-  bool toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBin& bin) const;
+  /// The part's own, and what it does not say from the parameters.
+  PickTool toolOf(const PickCandidate& candidate) const;
 
   PickParams params_;
   std::vector<Failure> failures_;

@@ -64,6 +64,19 @@ Locator::Locator(const LocatorParams& params) : params_(params) {
   }
 }
 
+Distances Locator::searched(const Camera& camera, const LocateRequest& request,
+                            const PartModel& part, const std::optional<Plane>& plane) const {
+  const Distances asked{request.distance_min, request.distance_max};
+  if (!plane) return asked;
+  const auto on_plane = distancesOnPlane(camera, *plane, part.thickness(), asked, params_.plane);
+  if (!on_plane) {
+    refuse("on the plane " + std::to_string(plane->distance) + " m away, part " + part.name() +
+           " would lie outside of the distances " + std::to_string(asked.min) + " .. " +
+           std::to_string(asked.max) + " m");
+  }
+  return *on_plane;
+}
+
 LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
                              const LocateRequest& request) const {
   check(image, camera, request);
@@ -74,17 +87,24 @@ LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
   const EdgeMap edges = findEdges(image, camera, params_.edges, threads);
   clock.finish("edges", edges.edgels);
 
+  const std::optional<Plane> plane = request.plane ? request.plane : planeOf(params_.plane);
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < request.parts.size(); ++i) {
-    const HoughTask task{request.parts[i].get(), i, request.distance_min, request.distance_max};
+    const Distances distances = searched(camera, request, *request.parts[i], plane);
+    const HoughTask task{request.parts[i].get(), i, distances.min, distances.max};
     const auto found = findCandidates(edges, task, params_.hough, threads);
     candidates.insert(candidates.end(), found.begin(), found.end());
   }
   clock.finish("hough", candidates.size());
 
-  const auto refined =
+  auto refined =
       refineCandidates(edges, camera, request.parts, candidates, params_.refine, threads);
   clock.finish("refine", refined.size());
+
+  if (plane) {
+    refined = fuseWithPlane(refined, request.parts, *plane, params_.plane);
+    clock.finish("plane", refined.size());
+  }
 
   const auto scored = scorePoses(edges, camera, request.parts, refined, params_.score, threads);
   clock.finish("score", scored.size());

@@ -49,11 +49,15 @@ PickPose readPickPose(const YAML::Node& node, const std::string& where) {
   if (!node.IsMap())
     throw std::runtime_error(where + ": is " + inOneLine(node) + ", must be a map");
   refuseRepeatedKeys(node, where);
-  refuseUnknownKeys(node, where, {"name", "position_mm", "rpy_deg", "face"});
+  refuseUnknownKeys(node, where, {"name", "position_mm", "rpy_deg", "face", "symmetric"});
   PickPose pick;
   pick.name = valueAs<std::string>(node["name"], where, "name", "a word");
-  if (pick.name.empty()) throwBadValue(where, "name", node["name"], "a word");
+  // A copy's number, and the pose's frame on tf, are set apart by these.
+  if (pick.name.empty() || pick.name.find_first_of("@/ ") != std::string::npos)
+    throwBadValue(where, "name", node["name"], "a word without @ and /");
   if (node["face"]) pick.face = readFace(node["face"], where);
+  if (node["symmetric"])
+    pick.symmetric = valueAs<bool>(node["symmetric"], where, "symmetric", "true or false");
   pick.T_part_pick.translation() = 1e-3 * readTriple(node["position_mm"], where, "position_mm");
   Eigen::Vector3d rpy = Eigen::Vector3d::Zero();
   if (node["rpy_deg"]) rpy = readTriple(node["rpy_deg"], where, "rpy_deg") * (EIGEN_PI / 180.0);
@@ -79,6 +83,17 @@ std::vector<PickPose> readPickPoses(const YAML::Node& list, const std::string& p
   return picks;
 }
 
+/// @return  metres; nothing where the key is not there
+std::optional<double> readMillimetres(const YAML::Node& root, const std::string& key,
+                                      const std::string& zero, const std::string& path) {
+  constexpr double kMost = 1000.0;
+  if (!root[key]) return std::nullopt;
+  const std::string expected = "between 0 " + zero + " and 1000";
+  const double value = valueAs<double>(root[key], path, key, expected);
+  if (!(value >= 0.0 && value <= kMost)) throwBadValue(path, key, root[key], expected);
+  return 1e-3 * value;
+}
+
 DrawingParams readDrawingParams(const YAML::Node& root, const std::string& path) {
   DrawingParams params;
   const auto read = [&](const char* key, std::vector<std::string>* patterns) {
@@ -96,21 +111,15 @@ DrawingParams readDrawingParams(const YAML::Node& root, const std::string& path)
 PartFile loadYamlPart(const fs::path& path) {
   const std::string name = path.string();
   const YAML::Node root = loadYamlMap(name);
-  refuseUnknownKeys(
-      root, name,
-      {"drawing", "thickness_mm", "keep_layers", "skip_layers", "print_layers", "pick_poses"});
+  refuseUnknownKeys(root, name,
+                    {"drawing", "thickness_mm", "keep_layers", "skip_layers", "print_layers",
+                     "pick_poses", "tool_radius_mm", "tool_height_mm"});
   PartFile part;
   const auto drawing =
       valueAs<std::string>(root["drawing"], name, "drawing", "a DXF file beside this one");
-  if (root["thickness_mm"]) {
-    const std::string expected = "between 0 (unknown) and 1000";
-    const double thickness_mm =
-        valueAs<double>(root["thickness_mm"], name, "thickness_mm", expected);
-    if (!(thickness_mm >= 0.0 && thickness_mm <= 1000.0)) {
-      throwBadValue(name, "thickness_mm", root["thickness_mm"], expected);
-    }
-    part.thickness = 1e-3 * thickness_mm;
-  }
+  part.thickness = readMillimetres(root, "thickness_mm", "(unknown)", name).value_or(0.0);
+  part.tool.radius = readMillimetres(root, "tool_radius_mm", "(not looked at)", name);
+  part.tool.height = readMillimetres(root, "tool_height_mm", "(no end)", name);
   if (root["pick_poses"]) part.pick_poses = readPickPoses(root["pick_poses"], name);
   const DrawingParams params = readDrawingParams(root, name);
   const fs::path drawing_path = path.parent_path() / drawing;

@@ -55,6 +55,7 @@ PartModel::PartModel(PartFile file) : file_(std::move(file)) {
                                 std::to_string(file_.thickness) + " m; it must be 0 or more");
   }
   symmetry_ = findSymmetry(file_.drawing);
+  pick_poses_ = withSymmetricCopies(file_.pick_poses, symmetry_, file_.thickness);
   Eigen::AlignedBox2d box;
   for (const auto& p : loops.front().points) box.extend(p);
   center_ = box.center();

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/pick_policy.h"
 
+#include "pick_neighbours.h"
+
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -31,6 +33,25 @@ double difference(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total());
 }
 
+/// Whether a tool of that radius and height touches no wall on its way out of the bin.
+bool toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBin& bin, double room,
+                double height) {
+  constexpr int kSteps = 20;
+  const Eigen::Isometry3d T_bin_pick = bin.T_bin_target * T_target_pick;
+  const Eigen::Vector3d tip = T_bin_pick.translation(), axis = T_bin_pick.linear().col(2);
+  // The tool stands on the part against the stroke; what is above the walls is free.
+  const double rise = -axis.z(), below = bin.max.z() - tip.z();
+  double length = rise > 0.0 ? std::max(0.0, below / rise) : 0.0;
+  if (height > 0.0) length = std::min(length, height);
+  for (int i = 0; i <= kSteps; ++i) {
+    const Eigen::Vector3d p = tip - axis * (length * i / kSteps);
+    if (p.x() - room < bin.min.x() || p.x() + room > bin.max.x() || p.y() - room < bin.min.y() ||
+        p.y() + room > bin.max.y())
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 PickPolicy::PickPolicy(const PickParams& params) : params_(params) {
@@ -51,21 +72,9 @@ PickPolicy::Failure* PickPolicy::find(const PickCandidate& candidate) {
   return nullptr;
 }
 
-bool PickPolicy::toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBin& bin) const {
-  constexpr int kSteps = 20;
-  const Eigen::Isometry3d T_bin_pick = bin.T_bin_target * T_target_pick;
-  const Eigen::Vector3d tip = T_bin_pick.translation(), axis = T_bin_pick.linear().col(2);
-  const double room = params_.tool_radius + params_.wall_clearance;
-  // The shaft leaves the part against the stroke; what is above the walls is free.
-  const double rise = -axis.z(), height = bin.max.z() - tip.z();
-  const double length = rise > 0.0 ? std::max(0.0, height / rise) : 0.0;
-  for (int i = 0; i <= kSteps; ++i) {
-    const Eigen::Vector3d p = tip - axis * (length * i / kSteps);
-    if (p.x() - room < bin.min.x() || p.x() + room > bin.max.x() || p.y() - room < bin.min.y() ||
-        p.y() + room > bin.max.y())
-      return false;
-  }
-  return true;
+PickTool PickPolicy::toolOf(const PickCandidate& candidate) const {
+  return {candidate.tool.radius.value_or(params_.tool_radius),
+          candidate.tool.height.value_or(params_.tool_height)};
 }
 
 int PickPolicy::recall(const PickCandidate& candidate) {
@@ -75,6 +84,26 @@ int PickPolicy::recall(const PickCandidate& candidate) {
     return failure->count;
   failures_.erase(failures_.begin() + (failure - failures_.data()));
   return 0;
+}
+
+void PickPolicy::lookAtNeighbours(const std::vector<PickCandidate>& candidates,
+                                  PickPlan::Offer* offer) const {
+  const PickCandidate& lower = candidates[offer->candidate];
+  const double radius = *toolOf(lower).radius;
+  const auto anyOther = [&](const auto& holds) {
+    return std::any_of(candidates.begin(), candidates.end(), [&](const PickCandidate& other) {
+      return &other != &lower && holds(other.face);
+    });
+  };
+  const auto covered =
+      std::stable_partition(offer->picks.begin(), offer->picks.end(), [&](const std::size_t pick) {
+        return !anyOther([&](const PickFace& upper) {
+          return isOver(upper, lower.face, lower.T_target_pick[pick], radius);
+        });
+      });
+  const bool has_pick = offer->picks.empty() || covered != offer->picks.begin();
+  offer->is_free =
+      has_pick && !anyOther([&](const PickFace& upper) { return liesOn(upper, lower.face); });
 }
 
 std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
@@ -96,7 +125,7 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
   }
   if (offer.picks.empty() && !candidate.T_target_pick.empty()) {
     return refuse(PickRefusal::kWall, format("a tool of radius %.3f m would touch the bin's wall",
-                                             params_.tool_radius));
+                                             *toolOf(candidate).radius));
   }
   if (offer.failures >= params_.failures_max) {
     return refuse(PickRefusal::kFailedBefore,
@@ -108,20 +137,32 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
 PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
                           const std::optional<PickBin>& bin) {
   PickPlan plan;
-  const bool looks_at_walls = bin && params_.tool_radius > 0.0;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const auto& picks = candidates[i].T_target_pick;
+    const PickTool tool = toolOf(candidates[i]);
+    const bool looks_at_walls = bin && *tool.radius > 0.0;
+    const double room = *tool.radius + params_.wall_clearance;
     PickPlan::Offer offer{i, {}, recall(candidates[i])};
     for (std::size_t k = 0; k < picks.size(); ++k)
-      if (!looks_at_walls || toolIsFree(picks[k], *bin)) offer.picks.push_back(k);
+      if (!looks_at_walls || toolIsFree(picks[k], *bin, room, *tool.height))
+        offer.picks.push_back(k);
+    lookAtNeighbours(candidates, &offer);
     if (const auto refused = refusal(candidates[i], offer)) {
       plan.refused.push_back(*refused);
     } else {
       plan.offers.push_back(std::move(offer));
     }
   }
-  std::stable_sort(plan.offers.begin(), plan.offers.end(),
-                   [](const auto& a, const auto& b) { return a.failures < b.failures; });
+  const auto merit = [&](const PickPlan::Offer& offer) {
+    const PickCandidate& candidate = candidates[offer.candidate];
+    const double in_rank =  // as rank.h orders
+        candidate.score * candidate.visible_fraction * candidate.visible_fraction;
+    return offer.is_free ? in_rank : (1.0 - params_.load_discount) * in_rank;
+  };
+  std::stable_sort(plan.offers.begin(), plan.offers.end(), [&](const auto& a, const auto& b) {
+    if (a.failures != b.failures) return a.failures < b.failures;
+    return params_.load_discount > 0.0 && merit(a) > merit(b);
+  });
   return plan;
 }
 

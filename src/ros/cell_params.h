@@ -20,11 +20,15 @@ struct CellParams {
   /// it, metres. The distances then follow the camera.
   std::string bin_frame;
   std::vector<double> bin_min, bin_max;
+  /// Parts lie in a single layer on the plane z = 0 of this frame, such as a conveyor's; "" = no
+  /// such plane is known, but for ~locator/plane.
+  std::string plane_frame;
   /// std_srvs/Trigger, called before each wait for an image: a camera's software trigger, or
   /// the HDR node's `take`. "" = images come of themselves.
   std::string trigger_service;
-  double image_timeout = 5.0;  ///< s, wall time, for calls that name none
-  double tf_timeout = 0.5;     ///< s, wall time: how much later than the image its tf may come in
+  double trigger_timeout = 30.0;  ///< s, wall time, for trigger_service: a bracket takes its time
+  double image_timeout = 5.0;     ///< s, wall time, for calls that name none
+  double tf_timeout = 0.5;  ///< s, wall time: how much later than the image its tf may come in
 
   bool hasBin() const { return !bin_frame.empty(); }
 
@@ -39,7 +43,9 @@ struct CellParams {
     visit("bin_frame", self.bin_frame);
     visit("bin_min", self.bin_min);
     visit("bin_max", self.bin_max);
+    visit("plane_frame", self.plane_frame);
     visit("trigger_service", self.trigger_service);
+    visit("trigger_timeout", self.trigger_timeout, 0.01, 3600.0);
     visit("image_timeout", self.image_timeout, 0.0, 3600.0);
     visit("tf_timeout", self.tf_timeout, 0.0, 60.0);
   }

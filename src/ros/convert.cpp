@@ -90,7 +90,7 @@ LocatedPart toMsg(const Detection& detection, const PartModel& part,
       covariance;
   message.score = detection.score;
   message.visible_fraction = detection.visible_fraction;
-  for (const auto& pick : part.file().pick_poses) {
+  for (const auto& pick : part.pickPoses()) {
     if (!fits(pick, detection.face)) continue;
     message.picks.emplace_back();
     message.picks.back().name = pick.name;

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "exposure_control.h"
 
+#include "timed_call.h"
+
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <planar_bin_picking/SetExposure.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <memory>
 #include <stdexcept>
 
 namespace planar_bin_picking_ros {
@@ -44,39 +44,28 @@ std::string numbersIn(const dynamic_reconfigure::Config& config) {
 }  // namespace
 
 ExposureControl::ExposureControl(const ros::NodeHandle& nh, const HdrNodeParams& params)
-    : params_(params) {
-  ros::NodeHandle handle(nh);
-  client_ = params.hasService()
-                ? handle.serviceClient<SetExposure>(params.exposure_service)
-                : handle.serviceClient<Reconfigure>(params.camera_node + "/set_parameters");
-}
-
-ExposureControl::~ExposureControl() {
-  client_.shutdown();  // ends a call that still waits
-}
+    : params_(params),
+      nh_(nh),
+      service_(nh.resolveName(params.hasService() ? params.exposure_service
+                                                  : params.camera_node + "/set_parameters")) {}
 
 template <class Service>
 void ExposureControl::call(Service* service) {
-  const std::string name = client_.getService();
-  if (pending_.valid() && pending_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
-    throw std::runtime_error(name + " still has not answered the command before this one");
-  if (!client_.exists()) {
-    throw std::runtime_error("nobody offers " + name +
-                             "; start the camera's driver, or correct ~hdr/camera_node or "
-                             "~hdr/exposure_service");
+  switch (callWithin(nh_, service_, params_.command_timeout, service)) {
+    case CallEnd::kAnswered:
+      return;
+    case CallEnd::kNobody:
+      throw std::runtime_error("nobody offers " + service_ +
+                               "; start the camera's driver, or correct ~hdr/camera_node or "
+                               "~hdr/exposure_service");
+    case CallEnd::kLate:
+      throw std::runtime_error(service_ + " did not answer within " +
+                               milliseconds(params_.command_timeout) +
+                               "; look at the camera's driver, or raise ~hdr/command_timeout");
+    case CallEnd::kFailed:
+      break;
   }
-  // The thread shares the message, which a call past its deadline still writes to.
-  const auto shared = std::make_shared<Service>(*service);
-  pending_ = std::async(std::launch::async,
-                        [client = client_, shared]() mutable { return client.call(*shared); });
-  if (pending_.wait_for(std::chrono::duration<double>(params_.command_timeout)) !=
-      std::future_status::ready) {
-    throw std::runtime_error(name + " did not answer within " +
-                             milliseconds(params_.command_timeout) +
-                             "; look at the camera's driver, or raise ~hdr/command_timeout");
-  }
-  if (!pending_.get()) throw std::runtime_error(name + " failed; see the log of its node");
-  *service = *shared;
+  throw std::runtime_error(service_ + " failed; see the log of its node");
 }
 
 double ExposureControl::single() {
@@ -94,8 +83,7 @@ double ExposureControl::secondsIn(const dynamic_reconfigure::Config& config) {
   const auto* whole = find(config.ints, params_.exposure_parameter);
   if (real == nullptr && whole == nullptr) {
     throw std::runtime_error("~hdr/exposure_parameter is '" + params_.exposure_parameter +
-                             "', but " + client_.getService() +
-                             " has these numbers:" + numbersIn(config));
+                             "', but " + service_ + " has these numbers:" + numbersIn(config));
   }
   is_whole_ = whole != nullptr;
   return (is_whole_ ? whole->value : real->value) * params_.exposure_unit_seconds;
@@ -107,7 +95,7 @@ double ExposureControl::command(const double seconds) {
     service.request.seconds = seconds;
     call(&service);
     if (service.response.success) return service.response.seconds;
-    throw std::runtime_error(client_.getService() + " refused " + milliseconds(seconds) + ": " +
+    throw std::runtime_error(service_ + " refused " + milliseconds(seconds) + ": " +
                              service.response.message);
   }
   Reconfigure service;

@@ -10,7 +10,6 @@
 #include <dynamic_reconfigure/Config.h>
 #include <ros/node_handle.h>
 
-#include <future>
 #include <string>
 
 namespace planar_bin_picking_ros {
@@ -18,9 +17,6 @@ namespace planar_bin_picking_ros {
 class ExposureControl {
  public:
   ExposureControl(const ros::NodeHandle& nh, const HdrNodeParams& params);
-  ~ExposureControl();
-  ExposureControl(const ExposureControl&) = delete;
-  ExposureControl& operator=(const ExposureControl&) = delete;
 
   /// The exposure outside a bracket, seconds: single_ms, or what the camera has now.
   /// @throws std::runtime_error  the camera cannot be asked, or has no such parameter
@@ -41,8 +37,8 @@ class ExposureControl {
 
   const HdrNodeParams params_;
   bool is_whole_ = false;  ///< the parameter is an int
-  ros::ServiceClient client_;
-  std::future<bool> pending_;  ///< a call that may outlast its deadline
+  ros::NodeHandle nh_;
+  std::string service_;  ///< resolved
 };
 
 }  // namespace planar_bin_picking_ros

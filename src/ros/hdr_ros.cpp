@@ -5,6 +5,7 @@
 #include "convert.h"
 #include "load_params.h"
 #include "names.h"
+#include "timed_call.h"
 
 #include <cv_bridge/cv_bridge.h>
 #include <ros/console.h>
@@ -48,8 +49,6 @@ HdrRos::HdrRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       image_spinner_(1, &image_queue_),
       call_spinner_(1, &call_queue_) {
   ROS_INFO_STREAM("hdr:" << describe(params_));
-  if (!params_.trigger_service.empty())
-    trigger_ = image_nh_.serviceClient<std_srvs::Trigger>(params_.trigger_service);
   service_ = call_pnh_.advertiseService(kTakeService, &HdrRos::serve, this);
   image_spinner_.start();
   call_spinner_.start();
@@ -104,13 +103,15 @@ std::string HdrRos::takeAndPublish() {
 }
 
 void HdrRos::ask() {
-  if (!trigger_) return;
+  if (params_.trigger_service.empty()) return;
   std_srvs::Trigger service;
-  if (!trigger_.call(service) || !service.response.success) {
-    throw std::runtime_error(
-        trigger_.getService() + " makes no frame: " +
-        (service.response.message.empty() ? "nobody answers it" : service.response.message));
-  }
+  const std::string name = image_nh_.resolveName(params_.trigger_service);
+  const CallEnd end = callWithin(image_nh_, name, params_.command_timeout, &service);
+  if (end == CallEnd::kAnswered && service.response.success) return;
+  std::string reason = "nobody answers it";
+  if (end == CallEnd::kLate) reason = "no answer within ~hdr/command_timeout";
+  if (end == CallEnd::kAnswered) reason = service.response.message;
+  throw std::runtime_error(name + " makes no frame: " + reason);
 }
 
 void HdrRos::publish(const cv::Mat& grey, const ExposedFrame& first) {

@@ -42,7 +42,6 @@ class HdrRos {
   ros::CallbackQueue image_queue_, call_queue_;
   ros::NodeHandle image_nh_, call_pnh_;
   ImageInbox inbox_;
-  ros::ServiceClient trigger_;  ///< invalid where the camera runs freely
   ExposureControl control_;
   BracketTaker taker_;
   image_transport::ImageTransport images_in_, images_out_;

@@ -6,7 +6,9 @@
 #include "convert.h"
 #include "load_params.h"
 #include "names.h"
+#include "plane_frame.h"
 #include "refusal.h"
+#include "timed_call.h"
 #include "transforms.h"
 
 #include <ros/console.h>
@@ -43,13 +45,26 @@ FaceFilter faceFilter(const std::uint8_t face) {
                 "face is " + std::to_string(face) + "; it must be ANY (0), FRONT (1) or BACK (2)");
 }
 
-std::string nothingFound(const double threshold, const LocateRequest& request) {
+/// How many poses the plane ruled out.
+std::size_t offPlane(const planar_bin_picking::Report& report) {
+  const auto& stages = report.stages;
+  for (std::size_t i = 1; i < stages.size(); ++i)
+    if (stages[i].name == "plane") return stages[i - 1].out - stages[i].out;
+  return 0;
+}
+
+std::string nothingFound(const double threshold, const LocateRequest& request,
+                         const planar_bin_picking::Report& report) {
   char text[300];
   std::snprintf(text, sizeof text,
                 "nothing scored %.2f or more between %.3f and %.3f m from the camera; if there are "
                 "parts, look at ~overlay, check light, focus and these distances",
                 threshold, request.distance_min, request.distance_max);
-  return text;
+  const std::size_t off = offPlane(report);
+  if (off == 0) return text;
+  return text +
+         ("; " + std::to_string(off) + " poses lay off the plane: check where it is said to " +
+          "be, and the parts' thickness_mm");
 }
 
 }  // namespace
@@ -91,14 +106,13 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       picks_(loadPickParams(readTree(pnh, kPickParams))),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_) {
+  checkOnePlane(cell_, locator_.params().plane);
   ROS_INFO_STREAM("locator:" << describe(locator_.params()));
   ROS_INFO_STREAM("cell:" << describe(cell_));
   for (const auto& part : library_.parts()) ROS_INFO_STREAM("part '" << part.first << "' loaded");
   for (const auto& [name, error] : library_.errors()) {
     ROS_ERROR_STREAM("part '" << name << "' is not available: " << error);
   }
-  if (!cell_.trigger_service.empty())
-    trigger_ = image_nh_.serviceClient<std_srvs::Trigger>(cell_.trigger_service);
   service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
   report_service_ = call_pnh_.advertiseService(kReportPickService, &LocatorRos::serveReport, this);
   image_spinner_.start();
@@ -152,7 +166,7 @@ void LocatorRos::answer(const Request& request, Response& response) {
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
   const auto T_target_camera = transform(answer.header.frame_id, image.frame_id, image.stamp);
-  const LocateRequest locate_request = makeRequest(request, parts, image);
+  const LocateRequest locate_request = makeRequest(request, answer);
   watch.lap("transform");
   {
     // One at a time: a call uses all cores anyway, and two would need twice the memory.
@@ -160,7 +174,8 @@ void LocatorRos::answer(const Request& request, Response& response) {
     watch.lap("queue");
     answer.result = locator_.locate(answer.grey, answer.camera, locate_request);
   }
-  watch.lap(answer.result.report.stages);
+  const planar_bin_picking::Report report = answer.result.report;
+  watch.lap(report.stages);
 
   for (const auto& detection : answer.result.detections) {
     answer.located.push_back(toMsg(detection, *parts.at(detection.part), T_target_camera));
@@ -181,7 +196,7 @@ void LocatorRos::answer(const Request& request, Response& response) {
                        " located parts can be offered: " + sorted.hint;
   } else {
     response.status = Response::NO_PART_FOUND;
-    response.message = nothingFound(locator_.params().score.threshold, locate_request);
+    response.message = nothingFound(locator_.params().score.threshold, locate_request, report);
   }
 }
 
@@ -190,24 +205,34 @@ Frame LocatorRos::awaitFrame(const Request& request) {
     throw Refusal(Response::BAD_REQUEST,
                   "timeout is negative; zero means the cell's image_timeout");
   }
+  const bool triggers = !cell_.trigger_service.empty();
   const ros::Time not_before =
-      request.not_before.isZero() && trigger_ ? ros::Time::now() : request.not_before;
-  if (trigger_) trigger();
+      request.not_before.isZero() && triggers ? ros::Time::now() : request.not_before;
+  if (triggers) trigger();
   return source_.await(
       not_before, request.timeout.isZero() ? ros::Duration(cell_.image_timeout) : request.timeout);
 }
 
 void LocatorRos::trigger() {
   std_srvs::Trigger service;
-  if (!trigger_.call(service)) {
-    throw Refusal(Response::NO_IMAGE, "nobody answers " + trigger_.getService() +
-                                          "; start what takes the images, or correct "
-                                          "~cell/trigger_service");
+  const std::string name = image_nh_.resolveName(cell_.trigger_service);
+  switch (callWithin(image_nh_, name, cell_.trigger_timeout, &service)) {
+    case CallEnd::kAnswered:
+      // An image may come all the same: the HDR node passes a single exposure on.
+      if (!service.response.success) ROS_WARN_STREAM(name << ": " << service.response.message);
+      return;
+    case CallEnd::kLate:
+      throw Refusal(Response::NO_IMAGE,
+                    name +
+                        " did not answer within ~cell/trigger_timeout; look at the node that "
+                        "takes the images, or allow it more time");
+    case CallEnd::kNobody:
+    case CallEnd::kFailed:
+      break;
   }
-  // An image may come all the same: the HDR node passes a single exposure on.
-  if (!service.response.success) {
-    ROS_WARN_STREAM(trigger_.getService() << ": " << service.response.message);
-  }
+  throw Refusal(Response::NO_IMAGE, "nobody answers " + name +
+                                        "; start what takes the images, or correct "
+                                        "~cell/trigger_service");
 }
 
 PickKeeper::Frames LocatorRos::pickFrames(const std_msgs::Header& answer,
@@ -235,18 +260,23 @@ Eigen::Isometry3d LocatorRos::transform(const std::string& target, const std::st
   return *found.T_target_source;
 }
 
-LocateRequest LocatorRos::makeRequest(const Request& request, const std::vector<PartPtr>& parts,
-                                      const std_msgs::Header& image) const {
+LocateRequest LocatorRos::makeRequest(const Request& request, const Answer& answer) const {
+  const std_msgs::Header& image = answer.frame.image->header;
   DistanceRange range{cell_.distance_min, cell_.distance_max};
   if (cell_.hasBin()) {
     range = distanceRange(cell_, transform(image.frame_id, cell_.bin_frame, image.stamp));
   }
   LocateRequest locate_request;
-  locate_request.parts = parts;
+  locate_request.parts = answer.parts;
   locate_request.distance_min = range.min;
   locate_request.distance_max = range.max;
   locate_request.face = faceFilter(request.face);
   locate_request.max_parts = request.max_parts;
+  if (!cell_.plane_frame.empty()) {
+    locate_request.plane =
+        planeOfFrame(cell_.plane_frame, transform(image.frame_id, cell_.plane_frame, image.stamp));
+  }
+  checkPlane(locate_request, answer.camera, locator_.params().plane);
   return locate_request;
 }
 

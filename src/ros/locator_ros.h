@@ -54,9 +54,7 @@ class LocatorRos {
   /// @throws Refusal  NO_TRANSFORM
   Eigen::Isometry3d transform(const std::string& target, const std::string& source,
                               const ros::Time& stamp) const;
-  planar_bin_picking::LocateRequest makeRequest(const Request& request,
-                                                const std::vector<PartPtr>& parts,
-                                                const std_msgs::Header& image) const;
+  planar_bin_picking::LocateRequest makeRequest(const Request& request, const Answer& answer) const;
   PickKeeper::Frames pickFrames(const std_msgs::Header& answer,
                                 const Eigen::Isometry3d& T_target_camera) const;
 
@@ -72,7 +70,6 @@ class LocatorRos {
   AnswerPublisher publisher_;
   PickKeeper picks_;
   std::mutex locate_mutex_;
-  ros::ServiceClient trigger_;  ///< invalid where there is no trigger_service
   ros::ServiceServer service_, report_service_;
   ros::AsyncSpinner image_spinner_, call_spinner_;
 };

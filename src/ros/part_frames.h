@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// The parts' frames on tf: `<part>_1`, `<part>_2`, ... in rank order.
+/// The parts' frames on tf: `<part>_1`, `<part>_2`, ... in rank order, and below each those of the
+/// pick poses that the tool can reach: `<part>_1/<pick>`.
 ///
 /// They are static transforms: a part that lies in the bin stays where it was seen, also long after
 /// the camera has moved on. What a later image no longer shows must not linger, though, and tf2
@@ -13,6 +14,7 @@
 #include <planar_bin_picking/LocatedPart.h>
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,8 +39,13 @@ class PartFrames {
     return prefix_ + part + "_" + std::to_string(rank);
   }
 
+  std::vector<geometry_msgs::TransformStamped> updatePicks(
+      const std::vector<std::string>& asked_for, const std_msgs::Header& header,
+      const std::vector<planar_bin_picking::LocatedPart>& located);
+
   std::string prefix_;
   std::map<std::string, std::size_t> sent_;  ///< part -> how many frames it has on tf
+  std::map<std::string, std::set<std::string>> sent_picks_;  ///< part -> its picks' frames on tf
 };
 
 }  // namespace planar_bin_picking_ros

@@ -19,6 +19,18 @@ using planar_bin_picking::ReportPick;
 
 namespace {
 
+planar_bin_picking::PickFace faceOf(const PartModel& part, const Detection& detection,
+                                    const Eigen::Isometry3d& T_target_camera) {
+  planar_bin_picking::PickFace face;
+  face.T_target_part = T_target_camera * detection.T_camera_part;
+  face.z = part.faceZ(detection.face);
+  face.up = detection.face == planar_bin_picking::Face::kFront ? 1.0 : -1.0;
+  face.thickness = part.thickness();
+  for (const auto& point : part.outline())
+    if (point.kind == planar_bin_picking::LoopKind::kOuter) face.contour.push_back(point.position);
+  return face;
+}
+
 PickCandidate candidateOf(const Answer& answer, const std::size_t i,
                           const PickKeeper::Frames& frames) {
   const Detection& detection = answer.result.detections[i];
@@ -38,6 +50,8 @@ PickCandidate candidateOf(const Answer& answer, const std::size_t i,
           : normal_camera.z();
   candidate.tilt_deg = std::acos(std::min(1.0, std::abs(cosine))) * 180.0 / M_PI;
   for (const auto& pick : located.picks) candidate.T_target_pick.push_back(fromMsg(pick.pose));
+  candidate.tool = part.file().tool;
+  candidate.face = faceOf(part, detection, frames.T_target_camera);
   constexpr double kAround = 1.2;  // radii
   candidate.surroundings = planar_bin_picking::cutSurroundings(
       answer.grey, answer.camera, detection.T_camera_part, center, kAround * part.radius());

@@ -36,6 +36,7 @@ def parse_arguments():
     parser.add_argument("--megapixels", type=float, default=5.0)
     parser.add_argument("--empty", action="store_true", help="empty each bin as far as it goes")
     parser.add_argument("--keep", action="store_true", help="do not run again what has a result")
+    parser.add_argument("--save", type=Path, help="folder for pictures and truth of what went wrong")
     parser.add_argument("--output", type=Path, default=ROOT / "build/bench/cycles")
     return parser.parse_args()
 
@@ -49,11 +50,12 @@ def free_port():
 def run(part, light, result, arguments):
     port = free_port()
     refill = 0 if arguments.empty else 8
+    save = f" --save {arguments.save.resolve() / light}" if arguments.save else ""
     command = ["roslaunch", "-p", str(port), "planar_bin_picking", "cycle_demo.launch", "rviz:=false",
                f"part:={part}", f"light:={light}", f"count:={arguments.count}",
                f"seed:={arguments.seed}", f"megapixels:={arguments.megapixels}",
                "program:=cycle_statistics.py",
-               f"program_args:=--cycles {arguments.cycles} --refill-below {refill} --output {result}"]
+               f"program_args:=--cycles {arguments.cycles} --refill-below {refill} --output {result}{save}"]
     environment = dict(os.environ, ROS_MASTER_URI=f"http://localhost:{port}")
     with open(result.with_suffix(".log"), "w") as log:
         subprocess.run(command, env=environment, stdout=log, stderr=log,

@@ -86,6 +86,24 @@ TEST_F(PartFileTest, ReadsPickPoses) {
   EXPECT_TRUE(isometryNear(part.pick_poses[1].T_part_pick, expected, 1e-12, 1e-7));
 }
 
+TEST_F(PartFileTest, ReadsTheTool) {
+  EXPECT_FALSE(load("drawing: plate.dxf\n").tool.radius);
+  EXPECT_FALSE(load("drawing: plate.dxf\n").tool.height);
+  const PartFile part = load("drawing: plate.dxf\ntool_radius_mm: 12.5\ntool_height_mm: 0\n");
+  EXPECT_DOUBLE_EQ(part.tool.radius.value(), 0.0125);
+  EXPECT_EQ(part.tool.height.value(), 0.0);
+  EXPECT_TRUE(refused("drawing: plate.dxf\ntool_radius_mm: -1\n", {"tool_radius_mm", "-1", "0"}));
+  EXPECT_TRUE(refused("drawing: plate.dxf\ntool_height_mm: high\n", {"tool_height_mm", "high"}));
+}
+
+TEST_F(PartFileTest, PickPosesAreSymmetricUnlessToldOtherwise) {
+  const PartFile part = load(
+      "drawing: plate.dxf\npick_poses:\n  - {name: a, position_mm: [0, 0, 0]}\n"
+      "  - {name: b, position_mm: [1, 0, 0], symmetric: false}\n");
+  EXPECT_TRUE(part.pick_poses.at(0).symmetric);
+  EXPECT_FALSE(part.pick_poses.at(1).symmetric);
+}
+
 TEST_F(PartFileTest, RollPitchYawAreAboutFixedAxes) {
   const PartFile part = load(
       "drawing: plate.dxf\npick_poses: [{name: a, position_mm: [0, 0, 0], rpy_deg: [10, 20, "
@@ -125,6 +143,8 @@ TEST_F(PartFileTest, NamesWhatIsWrongInPickPoses) {
   EXPECT_TRUE(wrong("[{name: a, position_mm: [0, 0, .inf]}]", {"position_mm", "finite"}));
   EXPECT_TRUE(wrong("[{name: a, position_mm: [0, 0, 0], rpy_deg: [1, x, 3]}]", {"rpy_deg", "x"}));
   EXPECT_TRUE(wrong("[{name: a, position_mm: [0, 0, 0], face: top}]", {"face", "top", "front"}));
+  EXPECT_TRUE(wrong("[{name: a, position_mm: [0, 0, 0], symmetric: 4}]", {"symmetric", "true"}));
+  EXPECT_TRUE(wrong("[{name: a@2, position_mm: [0, 0, 0]}]", {"name", "a@2"}));
   EXPECT_TRUE(wrong("[{name: a, position_mm: [0, 0, 0], rpy: [0, 0, 0]}]",
                     {"unknown key", "\"rpy\"", "rpy_deg"}));
   EXPECT_TRUE(wrong("[{name: a, position_mm: [0, 0, 0]}, {name: a, position_mm: [0, 0, 0]}]",

@@ -100,6 +100,106 @@ TEST(PickPolicy, LooksAtTheWholeShaft) {
   EXPECT_EQ(policy.plan({outward}, std::nullopt).offers.size(), 1u);
 }
 
+TEST(PickPolicy, AToolMayEndBelowTheWallsTop) {
+  PickParams params;
+  params.tool_radius = 0.01;
+  PickCandidate outward = candidateAt(0.17, 0);
+  outward.T_target_pick = {downAt(0.17, 0, 0.01, 20.0)};  // 3 cm up it is still clear of the wall
+  EXPECT_TRUE(PickPolicy(params).plan({outward}, binOf400x300()).offers.empty());
+  params.tool_height = 0.03;
+  EXPECT_EQ(PickPolicy(params).plan({outward}, binOf400x300()).offers.size(), 1u);
+}
+
+TEST(PickPolicy, APartsOwnToolComesFirst) {
+  PickParams params;
+  params.tool_radius = 0.01;
+  PickCandidate thin = candidateAt(0.18, 0), wide = thin, high = candidateAt(0.17, 0);
+  wide.tool.radius = 0.03;
+  high.T_target_pick = {downAt(0.17, 0, 0.01, 20.0)};
+  PickCandidate low = high;
+  low.tool.height = 0.03;
+  PickPolicy policy(params);
+  const auto plan = policy.plan({thin, wide, high, low}, binOf400x300());
+  EXPECT_EQ(order(plan), Order({0, 3}));
+  EXPECT_NE(plan.refused.at(0).text.find("0.030"), std::string::npos);
+  // Also where the parameters look at no walls, and the other way round.
+  EXPECT_EQ(order(PickPolicy(PickParams()).plan({thin, wide}, binOf400x300())), Order({0}));
+  thin = candidateAt(0.195, 0);
+  thin.tool.radius = 0.0;
+  EXPECT_EQ(policy.plan({thin}, binOf400x300()).offers.size(), 1u);
+}
+
+/// 40 x 40 mm, 4 mm thick, front up, its middle and its pick pose at (x, y, z), z of its upper
+/// face.
+PickCandidate plateAt(double x, double y, double z, double lean_deg = 0.0) {
+  PickCandidate plate = candidateAt(x, y);
+  plate.face.T_target_part = Eigen::Translation3d(x, y, z) *
+                             Eigen::AngleAxisd(lean_deg * kPi / 180.0, Eigen::Vector3d::UnitY());
+  plate.face.thickness = 0.004;
+  plate.face.contour = {{-0.02, -0.02}, {0.02, -0.02}, {0.02, 0.02}, {-0.02, 0.02}};
+  plate.T_target_pick = {downAt(x, y, z)};
+  return plate;
+}
+
+PickParams discounting() {
+  PickParams params;
+  params.load_discount = 0.1;
+  return params;
+}
+
+TEST(PickPolicy, OffersWhatCarriesAnotherLater) {
+  PickPolicy policy(discounting());
+  const PickCandidate lower = plateAt(0.0, 0.0, 0.004);
+  const PickCandidate beside = plateAt(0.05, 0.05, 0.004), upper = plateAt(0.03, 0.0, 0.008);
+  const PickCandidate apart = plateAt(0.1, 0.0, 0.03);
+  EXPECT_EQ(order(policy.plan({lower, beside, upper, apart}, std::nullopt)), Order({1, 2, 3, 0}));
+  // Two of one height that touch, up to the error of a depth: nobody carries anybody.
+  EXPECT_EQ(order(policy.plan({lower, plateAt(0.0405, 0.0, 0.0055)}, std::nullopt)), Order({0, 1}));
+  // One that leans on the rim from outside, beside the face as the camera sees it.
+  EXPECT_EQ(order(policy.plan({lower, plateAt(0.0405, 0.0, 0.013, -15.0)}, std::nullopt)),
+            Order({1, 0}));
+  EXPECT_EQ(order(PickPolicy(PickParams()).plan({lower, upper}, std::nullopt)), Order({0, 1}));
+}
+
+TEST(PickPolicy, WhatCarriesAnotherStillComesBeforeADoubtfulPose) {
+  PickPolicy policy(discounting());
+  const PickCandidate lower = plateAt(0.0, 0.0, 0.004);
+  PickCandidate upper = plateAt(0.03, 0.0, 0.008);
+  upper.score = 0.85;  // of 0.9
+  EXPECT_EQ(order(policy.plan({lower, upper}, std::nullopt)), Order({1, 0}));
+  upper.score = 0.75;
+  EXPECT_EQ(order(policy.plan({lower, upper}, std::nullopt)), Order({0, 1}));
+  upper.score = 0.85;
+  upper.visible_fraction = 0.9;
+  EXPECT_EQ(order(policy.plan({lower, upper}, std::nullopt)), Order({0, 1}));
+}
+
+TEST(PickPolicy, ABackFaceLooksTheOtherWay) {
+  PickCandidate lower = plateAt(0.0, 0.0, 0.004), upper = plateAt(0.03, 0.0, 0.008);
+  const Eigen::AngleAxisd over(kPi, Eigen::Vector3d::UnitX());
+  for (PickCandidate* plate : {&lower, &upper}) {
+    plate->face.T_target_part = plate->face.T_target_part * over;
+    plate->face.T_target_part.translation().z() -= 0.004;
+    plate->face.z = -0.004, plate->face.up = -1.0;
+  }
+  PickPolicy policy(discounting());
+  EXPECT_EQ(order(policy.plan({lower, upper}, std::nullopt)), Order({1, 0}));
+}
+
+TEST(PickPolicy, PrefersPickPosesThatNothingLiesOver) {
+  PickParams params;
+  params.tool_radius = 0.005;
+  PickPolicy policy(params);
+  PickCandidate lower = plateAt(0.0, 0.0, 0.004);
+  lower.T_target_pick = {downAt(0.014, 0.0, 0.004), downAt(-0.01, 0.0, 0.004)};
+  const PickCandidate upper = plateAt(0.038, 0.0, 0.008);  // from 18 mm on
+  const auto plan = policy.plan({upper, lower}, std::nullopt);
+  ASSERT_EQ(plan.offers.size(), 2u);
+  EXPECT_EQ(plan.offers[1].candidate, 1u);
+  EXPECT_EQ(plan.offers[1].picks, Order({1, 0}));
+  EXPECT_EQ(policy.plan({lower}, std::nullopt).offers.at(0).picks, Order({0, 1}));
+}
+
 TEST(PickPolicy, OffersAFailedInstanceLast) {
   PickPolicy policy{PickParams()};
   const std::vector<PickCandidate> candidates = {candidateAt(0, 0), candidateAt(0.1, 0)};

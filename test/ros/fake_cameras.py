@@ -11,6 +11,7 @@
     drops      sends nothing for 3 s after a command
     waits      takes a frame on request only
     hangs      does not answer a command for 3 s
+    mute       as waits, but does not answer a request for 3 s, and takes no frame
 
     fake_cameras.py obeys service ...      topics and services stand below the name
 """
@@ -47,8 +48,8 @@ class Camera:
         self.image = rospy.Publisher(f"{manners}/camera/image_raw", Image, queue_size=1)
         self.info = rospy.Publisher(f"{manners}/camera/camera_info", CameraInfo, queue_size=1)
         self.wanted = threading.Event()
-        if manners == "waits":
-            rospy.Service("waits/camera/trigger", Trigger, self.serve_trigger)
+        if manners in ("waits", "mute"):
+            rospy.Service(f"{manners}/camera/trigger", Trigger, self.serve_trigger)
         if manners == "service":
             rospy.Service("service/set_exposure", SetExposure, self.serve_exposure)
         else:
@@ -68,6 +69,9 @@ class Camera:
         return seconds
 
     def serve_trigger(self, _):
+        if self.manners == "mute":
+            rospy.sleep(SILENCE)
+            return TriggerResponse(success=False, message="mute")
         self.wanted.set()
         return TriggerResponse(success=True)
 
@@ -90,7 +94,7 @@ class Camera:
         return ReconfigureResponse(config)
 
     def publish(self, scene):
-        if self.manners == "waits" and not self.wanted.is_set():
+        if self.manners in ("waits", "mute") and not self.wanted.is_set():
             return
         self.wanted.clear()
         with self.lock:

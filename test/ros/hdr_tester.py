@@ -101,6 +101,11 @@ class HdrTest(unittest.TestCase):
     def test_hangs(self):
         self.check_single("hangs", "did not answer within")
 
+    def test_mute(self):
+        response = Hdr("mute").take()
+        self.assertFalse(response.success)
+        self.assertIn("no answer within ~hdr/command_timeout", response.message)
+
     def test_absent(self):
         self.check_single("absent", "nobody offers", "nothing/set_parameters")
 

@@ -15,13 +15,21 @@ using planar_bin_picking::LocatedPart;
 /// What an answer does to tf, as a listener sees it.
 class PartFramesTest : public testing::Test {
  protected:
-  void answer(const std::vector<std::string>& asked_for, const std::vector<std::string>& found) {
+  /// @param picks  names of the pick poses that each part has
+  void answer(const std::vector<std::string>& asked_for, const std::vector<std::string>& found,
+              const std::vector<std::string>& picks = {}) {
     std::vector<LocatedPart> located;
     for (const std::string& part : found) {
       located.emplace_back();
       located.back().part = part;
       located.back().pose.pose.position.x = x_;
       located.back().pose.pose.orientation.w = 1.0;
+      for (const std::string& pick : picks) {
+        located.back().picks.emplace_back();
+        located.back().picks.back().name = pick;
+        located.back().picks.back().pose = located.back().pose.pose;
+        located.back().picks.back().pose.position.y = 0.03;
+      }
     }
     frames_.name(located);
     std_msgs::Header header;
@@ -65,6 +73,29 @@ TEST_F(PartFramesTest, LostPartsCanComeBack) {
   ASSERT_TRUE(stands("left_bracket_1"));
   const auto found = buffer_.lookupTransform("base", "left_bracket_1", ros::Time(5.0));
   EXPECT_EQ(found.transform.translation.x, 0.7);
+}
+
+TEST_F(PartFramesTest, PickPosesHangBelowTheirPart) {
+  answer({"bracket"}, {"bracket", "bracket"}, {"web", "web@2"});
+  ASSERT_TRUE(stands("left_bracket_2/web@2"));
+  const auto in_base = buffer_.lookupTransform("base", "left_bracket_1/web", ros::Time(5.0));
+  EXPECT_NEAR(in_base.transform.translation.x, 0.1, 1e-12);
+  EXPECT_NEAR(in_base.transform.translation.y, 0.03, 1e-12);
+  const auto in_part =
+      buffer_.lookupTransform("left_bracket_1", "left_bracket_1/web", ros::Time(5.0));
+  EXPECT_NEAR(in_part.transform.translation.x, 0.0, 1e-12);
+}
+
+TEST_F(PartFramesTest, PickPosesThatAreNotOfferedCannotBeLookedUp) {
+  answer({"bracket"}, {"bracket", "bracket"}, {"web", "web@2"});
+  answer({"bracket"}, {"bracket"}, {"web@2"});
+  EXPECT_FALSE(stands("left_bracket_1/web"));
+  EXPECT_TRUE(stands("left_bracket_1/web@2"));
+  EXPECT_FALSE(stands("left_bracket_2/web@2"));
+  answer({"gasket"}, {});
+  EXPECT_TRUE(stands("left_bracket_1/web@2"));
+  answer({"bracket"}, {"bracket"}, {"web"});
+  EXPECT_TRUE(stands("left_bracket_1/web"));
 }
 
 TEST_F(PartFramesTest, OtherPartsStay) {

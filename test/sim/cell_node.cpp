@@ -242,7 +242,8 @@ class CellNode {
       located.face = part.front_up ? located.FRONT : located.BACK;
       located.pose.pose = tf2::toMsg(part.T_base_part);
       located.visible_fraction = part.visible_fraction;
-      for (const auto& T_part_twin : cell_.kind(part.kind).twins) {
+      const PartKind& kind = cell_.kind(part.kind);
+      for (const auto& T_part_twin : part.front_up ? kind.twins : kind.back_twins) {
         located.picks.emplace_back();
         located.picks.back().name = "twin";
         located.picks.back().pose = tf2::toMsg(Eigen::Isometry3d(part.T_base_part * T_part_twin));

@@ -4,11 +4,12 @@
 """Runs pick cycles as pick_program.py does, holds them against the truth that the simulated cell
 publishes, and writes what came of them.
 
-    cycle_statistics.py --cycles 100 [--refill-below 8] [--output result.yaml]
+    cycle_statistics.py --cycles 100 [--refill-below 8] [--output result.yaml] [--save FOLDER]
 
 A cycle is one part picked, or a deadlock: nothing could be picked out of three images in a row. The bin is
 filled anew after a deadlock, and once fewer parts are left in it than --refill-below (0: it is emptied
-as far as it goes; what is left then is counted).
+as far as it goes; what is left then is counted). What went wrong or was off by more than wanted is saved:
+the picture, its camera_info, the truth and what was offered.
 """
 import argparse
 import collections
@@ -16,6 +17,8 @@ import math
 import os
 import statistics
 import sys
+import time
+from pathlib import Path
 
 import numpy
 import rospy
@@ -25,7 +28,74 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's r
 import pick_program
 from pick_program import matrix
 from planar_bin_picking.msg import LocatedParts
+from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Trigger
+
+
+WANTED = dict(x=0.5, y=0.5, yaw=0.3)  # mm, mm, degrees: the largest error of a picked part
+
+
+def plain(pose):
+    """A pose as locate_image writes it."""
+    p, q = pose.position, pose.orientation
+    return dict(position=[p.x, p.y, p.z], orientation=[q.x, q.y, q.z, q.w])
+
+
+def camera_info(info):
+    """As camera_info.yaml has it, for locate_image."""
+    matrix_of = lambda rows, data: dict(rows=rows, cols=len(data) // rows, data=list(data))
+    return dict(image_width=info.width, image_height=info.height, camera_name="camera",
+                distortion_model=info.distortion_model, camera_matrix=matrix_of(3, info.K),
+                distortion_coefficients=matrix_of(1, info.D),
+                rectification_matrix=matrix_of(3, info.R), projection_matrix=matrix_of(3, info.P))
+
+
+class Recorder:
+    """Keeps the latest pictures, and writes one with all that belongs to it."""
+
+    PICTURES = 4  # a cycle looks at three at most
+
+    def __init__(self, folder, truth, robot):
+        self.folder, self.truth, self.robot = folder, truth, robot
+        self.images = collections.OrderedDict()
+        if folder is None:
+            return
+        folder.mkdir(parents=True, exist_ok=True)
+        self.subscribers = [rospy.Subscriber("camera/image_raw", Image, self.receive),
+                            rospy.Subscriber("camera/camera_info", CameraInfo, self.write_info)]
+
+    def receive(self, image):
+        self.images[image.header.stamp] = image
+        while len(self.images) > self.PICTURES:
+            self.images.popitem(last=False)
+
+    def write_info(self, info):
+        (self.folder / "camera_info.yaml").write_text(yaml.safe_dump(camera_info(info)))
+
+    def save(self, name, cycle):
+        """Of the cycle's first answer that offered a part, or of its first."""
+        if self.folder is None:
+            return
+        answer = next((a for a in cycle.answers if a.parts), cycle.answers[0])
+        report = dict(
+            message=answer.message, attempts=[[a.part.child_frame, a.pick.name, a.outcome.message] for a in cycle.attempts],
+            T_base_camera=self.robot.lookup("base", "camera").tolist(),
+            offered=[dict(frame=p.child_frame, score=p.score, visible=p.visible_fraction, face=p.face,
+                          **plain(p.pose.pose)) for p in answer.parts],
+            refused=[dict(text=r.text, **plain(r.located.pose.pose)) for r in answer.refused])
+        located = answer.parts or [r.located for r in answer.refused]
+        if cycle.attempts:
+            report["error"] = self.truth.error(cycle.attempts[0])
+        if located:
+            stamp = located[0].header.stamp
+            report["truth"] = [dict(name=t.child_frame, face=t.face, visible=t.visible_fraction,
+                                    **plain(t.pose.pose)) for t in self.truth.at(stamp).parts]
+            self.write_image(name, self.images[stamp])
+        (self.folder / (name + ".yaml")).write_text(yaml.safe_dump(report))
+
+    def write_image(self, name, image):
+        head = b"P5 %d %d 255\n" % (image.width, image.height)
+        (self.folder / (name + ".pgm")).write_bytes(head + bytes(image.data))
 
 
 class Truth:
@@ -50,10 +120,10 @@ class Truth:
             rospy.sleep(0.005)
         return self.by_stamp[stamp]
 
-    def error(self, located):
+    def error(self, attempt):
         """x, y, z in mm, yaw and tilt in degrees, of the pick pose; to the nearest true part."""
-        T_part_pick = numpy.linalg.inv(matrix(located.pose.pose)) @ matrix(located.picks[0].pose)
-        T = matrix(located.picks[0].pose)
+        located, T = attempt.part, matrix(attempt.pick.pose)
+        T_part_pick = numpy.linalg.inv(matrix(located.pose.pose)) @ T
         best = None
         for part in self.at(located.header.stamp).parts:
             if part.part != located.part:
@@ -66,7 +136,8 @@ class Truth:
                 tilt = math.degrees(math.acos(max(-1.0, min(1.0, R[2, 2]))))
                 size = numpy.linalg.norm(d) + abs(yaw) + tilt
                 if best is None or size < best[0]:
-                    best = size, dict(x=abs(d[0]), y=abs(d[1]), z=abs(d[2]), yaw=abs(yaw), tilt=tilt)
+                    best = size, dict(zip(("x", "y", "z", "yaw", "tilt"),
+                                                map(float, (*abs(d), abs(yaw), tilt))))
         return best[1]
 
 
@@ -76,24 +147,27 @@ class Tally:
         self.errors, self.seconds, self.left, self.failures = [], [], [], collections.Counter()
 
     def add(self, cycle, truth):
+        """@return  why this cycle is worth a look, or None"""
         self.seconds += [sum(t.seconds for t in answer.times if t.stage != "wait")
                          for answer in cycle.answers]
         # Only the first: after a failure parts may have moved, and what stood in the image is stale.
-        for part, success, message in cycle.attempts[:1]:
-            if success:
+        for attempt in cycle.attempts[:1]:
+            if attempt.success():
                 continue
-            error = truth.error(part)
+            error = truth.error(attempt)
             is_wrong = max(error["x"], error["y"]) > 1.5 or error["z"] > 5.0 or error["tilt"] > 5.0
-            self.failures[message + (", pose wrong" if is_wrong else ", pose right")] += 1
+            self.failures[attempt.outcome.message +
+                          (", pose wrong" if is_wrong else ", pose right")] += 1
         if cycle.picked() is None:
             self.deadlock += 1
-            self.left.append(len(truth.latest.parts))
-        else:
-            self.errors.append(truth.error(cycle.picked()))
-            if len(cycle.attempts) == 1:
-                self.first += 1
-            else:
-                self.later += 1
+            return "deadlock"
+        error = truth.error(cycle.picked())
+        self.errors.append(error)
+        if len(cycle.attempts) > 1:
+            self.later += 1
+            return "later"
+        self.first += 1
+        return "error" if any(error[key] > most for key, most in WANTED.items()) else None
 
     def result(self):
         largest = {key: round(float(max(e[key] for e in self.errors)), 3)
@@ -111,19 +185,25 @@ def main():
     parser.add_argument("--cycles", type=int, default=100)
     parser.add_argument("--refill-below", type=int, default=8)
     parser.add_argument("--output")
+    parser.add_argument("--save", type=Path, help="folder for what went wrong")
     arguments = parser.parse_args(rospy.myargv()[1:])
     rospy.init_node("cycle_statistics")
     truth = Truth()
     robot = pick_program.Robot()
     locator = pick_program.Locator(rospy.get_param("~part", "bracket"))
     refill = rospy.ServiceProxy("cell/refill", Trigger)
-    tally = Tally()
-    for _ in range(arguments.cycles):
+    tally, recorder = Tally(), Recorder(arguments.save, truth, robot)
+    start = time.monotonic()
+    for i in range(arguments.cycles):
         cycle = pick_program.run_cycle(robot, locator)
-        tally.add(cycle, truth)
+        reason = tally.add(cycle, truth)
+        if reason is not None:
+            recorder.save(f"{locator.part}_{i:04d}_{reason}", cycle)
         if cycle.picked() is None or len(truth.latest.parts) < max(1, arguments.refill_below):
+            tally.left.append(len(truth.latest.parts))  # 0 where the bin was emptied
             refill()
-        print(f"first {tally.first}, later {tally.later}, deadlock {tally.deadlock}", flush=True)
+        print(f"first {tally.first}, later {tally.later}, deadlock {tally.deadlock}; "
+              f"{(time.monotonic() - start) / (i + 1):.2f} s per cycle", flush=True)
     print(yaml.safe_dump(tally.result()))
     if arguments.output:
         with open(arguments.output, "w") as file:

@@ -16,6 +16,7 @@ from geometry_msgs.msg import PoseStamped
 from planar_bin_picking.srv import (LocatePart, LocatePartResponse, MoveRobot, ReportPick,
                                     ReportPickResponse)
 from std_srvs.srv import SetBool, Trigger
+from visualization_msgs.msg import Marker
 
 WAIT = 60.0  # s, for the nodes to come up
 ABOVE = 0.15  # m, over the part before and after the pick, along the tool's stroke
@@ -44,6 +45,13 @@ def quaternion(R):
     return numpy.linalg.eigh(K / 3.0)[1][:, -1]
 
 
+class Outcome:
+    def __init__(self, success, message, reached):
+        self.success = success
+        self.message = message  # of the gripper
+        self.reached = reached  # the tool got to the part
+
+
 class Robot:
     """Moves the tool's tip; knows where the tool sits on the flange."""
 
@@ -54,10 +62,12 @@ class Robot:
         self.suction = rospy.ServiceProxy("gripper/suction", SetBool)
         self.tf = tf2_ros.Buffer()
         self.listener = tf2_ros.TransformListener(self.tf)
-        lookup = lambda *frames: matrix(self.tf.lookup_transform(
-            *frames, rospy.Time(0), rospy.Duration(WAIT)).transform)
-        self.T_flange_tool = lookup("flange", "tool")
-        self.T_base_home = lookup("base", "flange")
+        self.T_flange_tool = self.lookup("flange", "tool")
+        self.T_base_home = self.lookup("base", "flange")
+
+    def lookup(self, target, source):
+        return matrix(self.tf.lookup_transform(target, source, rospy.Time(0),
+                                               rospy.Duration(WAIT)).transform)
 
     def move_flange(self, T_base_flange):
         target = PoseStamped()
@@ -73,7 +83,7 @@ class Robot:
         self.move_flange(T_base_tool @ numpy.linalg.inv(self.T_flange_tool))
 
     def pick(self, T_base_pick):
-        """Down, suck, up, back home: True if the vacuum held. And what the gripper says."""
+        """Down, suck, up, back home: what came of it."""
         T_base_above = T_base_pick.copy()
         T_base_above[:3, 3] -= ABOVE * T_base_pick[:3, 2]
         self.move_tool(T_base_above)
@@ -82,7 +92,8 @@ class Robot:
         self.move_tool(T_base_above)
         self.move_flange(self.T_base_home)  # out of the camera's sight
         self.suction(False)  # a real program puts the part down before
-        return response.success, response.message
+        # Stopped by the wall, the tool has moved nothing; a real robot's planner says so beforehand.
+        return Outcome(response.success, response.message, "touches" not in response.message)
 
 
 class Locator:
@@ -103,15 +114,31 @@ class Locator:
         return response.next if response.status == ReportPickResponse.NEXT else None
 
 
+class Attempt:
+    """One try at one part. Its pick poses that the tool cannot get to are passed over."""
+
+    def __init__(self, robot, part):
+        self.part = copy.deepcopy(part)
+        for pick in part.picks:  # those that the bin's wall does not bar, in order of preference
+            self.pick = pick
+            self.outcome = robot.pick(matrix(pick.pose))
+            if self.outcome.reached:
+                break
+
+    def success(self):
+        return self.outcome.success
+
+
 class Cycle:
     """What one cycle came to: one part picked, or none although up to IMAGES were looked at."""
 
     def __init__(self):
-        self.attempts = []  # (part, success, what the gripper said), in order
+        self.attempts = []  # in order
         self.answers = []   # of LocatePart
 
     def picked(self):
-        return self.attempts[-1][0] if self.attempts and self.attempts[-1][1] else None
+        """The attempt that picked a part, or None."""
+        return self.attempts[-1] if self.attempts and self.attempts[-1].success() else None
 
 
 def run_cycle(robot, locator):
@@ -124,14 +151,31 @@ def run_cycle(robot, locator):
             raise RuntimeError("locator: " + answer.message)
         part = answer.parts[0] if answer.parts else None
         while part is not None:
-            success, message = robot.pick(matrix(part.picks[0].pose))
-            cycle.attempts.append((copy.deepcopy(part), success, message))
-            part = locator.report(part, success)
+            cycle.attempts.append(Attempt(robot, part))
+            part = locator.report(part, cycle.attempts[-1].success())
     return cycle
+
+
+class TallyDisplay:
+    """The count so far as a text beside the bin, for rviz."""
+
+    def __init__(self):
+        self.publisher = rospy.Publisher("tally", Marker, queue_size=1, latch=True)
+
+    def show(self, text):
+        marker = Marker(type=Marker.TEXT_VIEW_FACING, text=text)
+        marker.header.frame_id = "base"
+        marker.pose.position.y, marker.pose.position.z = 0.22, 0.1
+        marker.pose.orientation.w = 1.0
+        marker.scale.z = 0.02  # height of a letter
+        marker.color.r = marker.color.g = marker.color.b = marker.color.a = 1.0
+        self.publisher.publish(marker)
+        print(text.replace("\n", "; "), flush=True)
 
 
 def main():
     rospy.init_node("pick_program")
+    display = TallyDisplay()
     robot, locator = Robot(), Locator(rospy.get_param("~part", "bracket"))
     refill = rospy.ServiceProxy("cell/refill", Trigger)  # in the demo, somebody brings a new bin
     cycles = rospy.get_param("~cycles", 0)  # 0 = for ever
@@ -147,8 +191,8 @@ def main():
         else:
             later += 1
         seconds = sum(t.seconds for t in cycle.answers[-1].times if t.stage != "wait")
-        print(f"first match {first}, later match {later}, none {none}; "
-              f"last locate {seconds:.2f} s", flush=True)
+        display.show(f"first match {first}, later match {later}, none {none}\n"
+                     f"last locate {seconds:.2f} s")
     return 0
 
 

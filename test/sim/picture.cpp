@@ -15,7 +15,8 @@ namespace {
 constexpr float kFar = 10.0f;          // metres
 constexpr float kSamePlane = 0.0004f;  // metres off a spot's plane that still are its surface
 constexpr int kNothing = -1;
-constexpr int kFine = 1800;  // pixels across, from which shadows need not be looked at that finely
+constexpr float kInk = 0.7f;  // share of the light that ink takes away
+constexpr int kFine = 1800;   // pixels across, from which shadows need not be looked at that finely
 
 struct Seen {
   int body = kNothing;
@@ -144,7 +145,10 @@ class Painter {
     const auto body = static_cast<std::size_t>(seen.body);
     const Material& m = looks_.materials[body];
     const Arriving light = shared(seen, x, y, share);
-    return pattern(m, T_body_base_[body] * seen.position, looks_.seeds[body]) *
+    const Eigen::Vector3f x_body = T_body_base_[body] * seen.position;
+    const bool is_printed = body < looks_.prints.size() && looks_.prints[body] != nullptr;
+    const float ink = is_printed ? looks_.prints[body]->at(x_body) : 0.0f;
+    return (1.0f - kInk * ink) * pattern(m, x_body, looks_.seeds[body]) *
            (m.diffuse * light.diffuse + m.gloss * light.gloss + m.mirror * light.mirror);
   }
 

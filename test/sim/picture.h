@@ -11,6 +11,7 @@
 
 #include "sim/lens.h"
 #include "sim/light.h"
+#include "sim/print_image.h"
 
 #include <opencv2/core/mat.hpp>
 
@@ -25,6 +26,7 @@ struct Looks {
   std::vector<Material> materials;             ///< by body
   std::vector<Eigen::Isometry3d> T_body_base;  ///< by body: where its pattern sticks
   std::vector<std::uint32_t> seeds;            ///< by body
+  std::vector<const PrintImage*> prints{};     ///< by body, as far as it goes; null = none
 };
 
 class Eye {

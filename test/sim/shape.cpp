@@ -4,128 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <map>
 #include <stdexcept>
 
 namespace planar_bin_picking::cell {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kMetres = 1e-3;  // per unit of a drawing
-constexpr double kJoin = 2e-5;    // metres; ends this near meet
-
-/// One entity: its group codes, each with its values in order.
-struct Entity {
-  std::string kind;
-  std::map<int, std::vector<std::string>> codes;
-
-  double number(int code, std::size_t i = 0, double otherwise = 0.0) const {
-    const auto found = codes.find(code);
-    return found == codes.end() || found->second.size() <= i ? otherwise
-                                                             : std::stod(found->second[i]);
-  }
-  Eigen::Vector2d point(int code, std::size_t i = 0) const {
-    return kMetres * Eigen::Vector2d(number(code, i), number(code + 10, i));
-  }
-};
-
-std::string trimmed(std::string line) {
-  while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
-  const auto start = line.find_first_not_of(" \t");
-  return start == std::string::npos ? "" : line.substr(start);
-}
-
-std::vector<Entity> readEntities(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": cannot be read");
-  std::vector<Entity> entities;
-  std::string code, value, section;
-  bool names_section = false;
-  while (std::getline(file, code) && std::getline(file, value)) {
-    const int number = std::stoi(code);
-    value = trimmed(value);
-    if (names_section && number == 2) section = value;
-    names_section = number == 0 && value == "SECTION";
-    if (section != "ENTITIES") continue;
-    if (number == 0) entities.push_back({value, {}});
-    if (entities.empty()) continue;
-    auto& codes = entities.back().codes;
-    // A bulge belongs to the point before it, and points without one are straight.
-    if (number == 42 && entities.back().kind == "LWPOLYLINE")
-      codes[42].resize(codes[10].size() - 1, "0");
-    codes[number].push_back(value);
-  }
-  return entities;
-}
-
-bool isEdge(const Entity& entity) {
-  const auto found = entity.codes.find(8);
-  if (found == entity.codes.end()) return false;
-  for (const char* layer : {"DIM", "CENTER", "TITLE", "PRINT"})
-    if (found->second[0] == layer) return false;
-  return true;
-}
-
-/// A piece of an ellipse about c with half axes u and v, from parameter a to b.
-Polygon arc(const Eigen::Vector2d& c, const Eigen::Vector2d& u, const Eigen::Vector2d& v, double a,
-            double b, double chord) {
-  const double radius = std::max(u.norm(), v.norm());
-  const double step = 2.0 * std::acos(1.0 - std::min(0.5, chord / radius));
-  const int pieces = std::max(2, static_cast<int>(std::ceil(std::abs(b - a) / step)));
-  Polygon line;
-  for (int i = 0; i <= pieces; ++i) {
-    const double t = a + (b - a) * i / pieces;
-    line.push_back(c + std::cos(t) * u + std::sin(t) * v);
-  }
-  return line;
-}
-
-/// From p to q along the arc whose bulge is the tangent of a quarter of its angle.
-void addBulge(const Eigen::Vector2d& p, const Eigen::Vector2d& q, double bulge, double chord,
-              Polygon* line) {
-  if (bulge == 0.0) return;
-  const Eigen::Vector2d d = q - p, normal(-d.y(), d.x());
-  const Eigen::Vector2d c = 0.5 * (p + q) + normal * (1.0 - bulge * bulge) / (4.0 * bulge);
-  const Eigen::Vector2d u = p - c, v(-u.y(), u.x());
-  const Polygon points = arc(c, u, v, 0.0, 4.0 * std::atan(bulge), chord);
-  line->insert(line->end(), points.begin() + 1, points.end() - 1);
-}
-
-Polygon polyline(const Entity& entity, double chord) {
-  const std::size_t count = entity.codes.at(10).size();
-  const bool closed = static_cast<int>(entity.number(70)) & 1;
-  Polygon line;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector2d p = entity.point(10, i), q = entity.point(10, (i + 1) % count);
-    line.push_back(p);
-    if (closed || i + 1 < count) addBulge(p, q, entity.number(42, i), chord, &line);
-  }
-  if (closed) line.push_back(line.front());
-  return line;
-}
-
-Polygon lineOf(const Entity& entity, double chord) {
-  const auto radians = [&](int code) { return entity.number(code) * kPi / 180.0; };
-  if (entity.kind == "LINE") return {entity.point(10), entity.point(11)};
-  if (entity.kind == "LWPOLYLINE") return polyline(entity, chord);
-  const Eigen::Vector2d c = entity.point(10);
-  const double r = kMetres * entity.number(40);
-  if (entity.kind == "CIRCLE") return arc(c, {r, 0.0}, {0.0, r}, 0.0, 2.0 * kPi, chord);
-  if (entity.kind == "ARC") {
-    const double from = radians(50);
-    double to = radians(51);
-    while (to <= from) to += 2.0 * kPi;
-    return arc(c, {r, 0.0}, {0.0, r}, from, to, chord);
-  }
-  if (entity.kind == "ELLIPSE") {
-    const Eigen::Vector2d u = entity.point(11),
-                          v = entity.number(40) * Eigen::Vector2d(-u.y(), u.x());
-    return arc(c, u, v, entity.number(41), entity.number(42), chord);
-  }
-  throw std::runtime_error("has a " + entity.kind + ", which the simulated cell does not read");
-}
+constexpr double kJoin = 2e-5;  // metres; ends this near meet
 
 bool meet(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - b).norm() < kJoin; }
 
@@ -209,17 +95,15 @@ Eigen::Isometry3d about(const Eigen::Vector2d& center, double z, const Eigen::Ma
 
 Shape loadShape(const std::string& path, double thickness, double chord) {
   try {
-    std::vector<Polygon> lines;
-    for (const Entity& entity : readEntities(path))
-      if (isEdge(entity)) lines.push_back(lineOf(entity, chord));
-    std::vector<Polygon> rings = joinRings(lines);
+    DrawnLines lines = readLines(path, chord);
+    std::vector<Polygon> rings = joinRings(std::move(lines.edges));
     if (rings.empty()) throw std::runtime_error("has no edge");
     std::sort(rings.begin(), rings.end(), [](const Polygon& a, const Polygon& b) {
       return std::abs(area(a)) > std::abs(area(b));
     });
     for (std::size_t i = 0; i < rings.size(); ++i)
       if ((area(rings[i]) > 0.0) != (i == 0)) std::reverse(rings[i].begin(), rings[i].end());
-    return {rings[0], {rings.begin() + 1, rings.end()}, thickness};
+    return {rings[0], {rings.begin() + 1, rings.end()}, thickness, std::move(lines.prints)};
   } catch (const std::exception& error) {
     throw std::runtime_error(path + ": " + error.what());
   }

@@ -5,6 +5,8 @@
 /// The simulated cell's own view of a part: rings read from the raw drawing. Nothing here is shared
 /// with the localizer, so that a mistake in one cannot hide in the other.
 
+#include "sim/drawing_lines.h"
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -13,25 +15,23 @@
 
 namespace planar_bin_picking::cell {
 
-using Polygon = std::vector<Eigen::Vector2d>;  ///< metres; the last point joins the first
-
 struct Shape {
-  Polygon outer;               ///< counter-clockwise
-  std::vector<Polygon> holes;  ///< clockwise
-  double thickness = 0.0;      ///< metres; the body lies in -thickness <= z <= 0
+  Polygon outer;                  ///< counter-clockwise
+  std::vector<Polygon> holes;     ///< clockwise
+  double thickness = 0.0;         ///< metres; the body lies in -thickness <= z <= 0
+  std::vector<Polygon> prints{};  ///< centre lines of strokes on the front face, open
 };
 
-/// Reads LINE, ARC, CIRCLE, ELLIPSE and LWPOLYLINE of an ASCII drawing in millimetres, all layers
-/// but DIM, CENTER, TITLE and PRINT. The ring with the largest area is the outer one.
+/// Joins what readLines finds to rings. The one with the largest area is the outer one.
 /// @param chord  how far a chord may lie off its arc, metres
-/// @throws std::runtime_error  unreadable, another kind of entity, an open contour: file and what
+/// @throws std::runtime_error  as readLines, or an open contour: file and what
 Shape loadShape(const std::string& path, double thickness, double chord);
 
 double area(const Polygon& polygon);  ///< of a ring, counter-clockwise positive
 double area(const Shape& shape);      ///< without its holes
 
-/// T_part_twin of all turns, also upside down, after which the shape lies on itself; identity
-/// first. A disc's turns are given in steps of five degrees.
+/// T_part_twin of all turns, also upside down, after which the shape lies on itself, whatever is
+/// printed on it; identity first. A disc's turns are given in steps of five degrees.
 /// @param tolerance  metres
 std::vector<Eigen::Isometry3d> symmetries(const Shape& shape, double tolerance);
 

@@ -47,6 +47,17 @@ std::vector<Mesh> allMeshes(const std::vector<PartKind>& kinds, const Bin& bin) 
   return meshes;
 }
 
+/// A print tells all poses apart, unless it lies below.
+void setTwins(const std::vector<Eigen::Isometry3d>& same_shape, bool is_printed, PartKind* kind) {
+  kind->twins = kind->back_twins = same_shape;
+  if (!is_printed) return;
+  kind->twins = {Eigen::Isometry3d::Identity()};
+  auto& turns = kind->back_twins;
+  turns.erase(std::remove_if(turns.begin(), turns.end(),
+                             [](const Eigen::Isometry3d& T) { return T.linear()(2, 2) < 0.0; }),
+              turns.end());
+}
+
 Eigen::Vector3f toFloat(const Eigen::Vector3d& p) { return p.cast<float>(); }
 
 }  // namespace
@@ -62,11 +73,13 @@ PartKind loadPartKind(const std::string& yaml_path) {
   const double thickness = 1e-3 * root["thickness_mm"].as<double>();
   kind.fine = loadShape(drawing, thickness, 1e-5);
   kind.coarse = loadShape(drawing, thickness, 3e-4);
-  kind.twins = symmetries(loadShape(drawing, thickness, 5e-5), 2e-4);
+  const Shape shape = loadShape(drawing, thickness, 5e-5);
+  const auto same_shape = symmetries(shape, 2e-4);
+  setTwins(same_shape, !shape.prints.empty(), &kind);
   for (const auto& pick : root["pick_poses"]) {
     const Eigen::Vector3d p(1e-3 * pick["position_mm"][0].as<double>(),
                             1e-3 * pick["position_mm"][1].as<double>(), 0.0);
-    for (const auto& T : kind.twins) kind.grasps.emplace_back((T * p).head<2>());
+    for (const auto& T : same_shape) kind.grasps.emplace_back((T * p).head<2>());
   }
   return kind;
 }
@@ -100,6 +113,7 @@ SimulatedCell::SimulatedCell(const CellConfig& config, std::vector<PartKind> kin
       world_(allMeshes(kinds_, config.bin)) {
   if (config_.counts.size() != kinds_.size())
     throw std::invalid_argument("there must be one count for each kind of part");
+  for (const PartKind& kind : kinds_) prints_.emplace_back(kind.fine);
   refill(config.seed);
 }
 
@@ -124,6 +138,9 @@ void SimulatedCell::update() {
     looks_.materials.push_back(material(name));
     looks_.T_body_base.push_back(T.inverse());
     looks_.seeds.push_back(static_cast<std::uint32_t>(seed));
+    const bool is_printed =
+        mesh < static_cast<int>(prints_.size()) && !prints_[static_cast<std::size_t>(mesh)].empty();
+    looks_.prints.push_back(is_printed ? &prints_[static_cast<std::size_t>(mesh)] : nullptr);
   };
   for (const Body& body : bodies_) add(body.kind, body.T_base_part, config_.material, body.id);
   for (int i = 0; i < 5; ++i)  // floor and walls

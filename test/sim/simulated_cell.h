@@ -25,6 +25,8 @@ struct PartKind {
   Shape coarse;                          ///< to collide with
   std::vector<Eigen::Vector2d> grasps;   ///< part frame, symmetric copies included
   std::vector<Eigen::Isometry3d> twins;  ///< T_part_twin: poses that look the same, identity first
+  /// The same where the back is up: it has no print that could tell them apart.
+  std::vector<Eigen::Isometry3d> back_twins;
 };
 
 /// @throws std::runtime_error  unreadable, or without a drawing, thickness or pick pose
@@ -106,7 +108,8 @@ class SimulatedCell {
   Eye eye_;
   Raycaster world_;
   std::unique_ptr<Heap> heap_;
-  std::vector<Body> bodies_;  ///< as in the raycaster
+  std::vector<Body> bodies_;        ///< as in the raycaster
+  std::vector<PrintImage> prints_;  ///< by kind
   Looks looks_;
   std::uint64_t pictures_ = 0, failures_ = 0;
 };
