@@ -147,7 +147,7 @@ void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result
   result->T_other_board = state.chain.T_other_board;
   result->camera = work.problem.camera
                        ? *work.problem.camera
-                       : toModel(state.chain.intrinsics, work.problem.width, work.problem.height);
+                       : toModel(state.chain, work.problem.width, work.problem.height);
   result->covariance = state.covariance.topLeftCorner<kSharedSize, kSharedSize>();
   result->sigma_px = state.noise.pixel;
   result->robot_mm = 1e3 * state.noise.robot_t;
@@ -199,7 +199,7 @@ void leaveOneOut(const Work& work, const Adjusted& state, HandEyeResult* result)
 /// Why the lens of a solution cannot be used; "" where it can.
 std::string lensError(const Work& work, const Adjusted& state) {
   try {
-    const Camera checked(toModel(state.chain.intrinsics, work.problem.width, work.problem.height));
+    const Camera checked(toModel(state.chain, work.problem.width, work.problem.height));
     return "";
   } catch (const std::invalid_argument& e) {
     return e.what();

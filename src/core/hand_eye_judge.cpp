@@ -26,6 +26,7 @@ Eigen::Matrix<double, 6, 15> partByCalibration(const Chain& chain,
   Chain seen;
   seen.mounting = Mounting::kEyeToHand;
   seen.intrinsics = chain.intrinsics;
+  seen.denominator = chain.denominator;
   const Board part{2, 2, 0.1 * T_camera_part.translation().z()};
   seen.T_other_board.translation() = Eigen::Vector3d(-0.5, -0.5, 0.0) * part.square;
   Eigen::Matrix<double, 6, 15> out = Eigen::Matrix<double, 6, 15>::Zero();
@@ -141,7 +142,7 @@ const char* nameOf(Verdict verdict) {
 }
 
 ErrorModel::ErrorModel(const Chain& chain, int width, int height, double distance) {
-  const Camera camera(toModel(chain.intrinsics, width, height));
+  const Camera camera(toModel(chain, width, height));
   const std::pair<double, double> places[] = {
       {0.5, 0.5}, {0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}};
   for (const auto& [u, v] : places) {

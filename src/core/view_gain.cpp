@@ -20,6 +20,7 @@ Chain chainOf(const HandEyeProblem& problem, const HandEyeResult& solution) {
   chain.intrinsics = fromModel(solution.camera);
   chain.T_mount_camera = solution.T_mount_camera;
   chain.T_other_board = solution.T_other_board;
+  chain.denominator = denominatorOf(solution.camera);
   return chain;
 }
 
