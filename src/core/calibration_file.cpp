@@ -66,6 +66,7 @@ void putNumbers(YAML::Emitter& out, const HandEyeResult& result) {
   put(out, "rms_px", result.rms_px);
   put(out, "chain_px", result.chain_px);
   put(out, "pnp_floor_px", result.pnp_floor_px);
+  if (result.own_camera_px > 0.0) put(out, "own_camera_px", result.own_camera_px);
   put(out, "sigma_px", result.sigma_px);
   put(out, "robot_mm", result.robot_mm);
   put(out, "robot_deg", result.robot_deg);

@@ -153,6 +153,12 @@ void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result
   result->robot_mm = 1e3 * state.noise.robot_t;
   result->robot_deg = state.noise.robot_r / kRadians;
   fillViews(work, state, result);
+  if (state.camera_misfit > 0.0) {
+    const auto corners = static_cast<double>(work.usable.size() * work.problem.board.size());
+    const double without = std::pow(result->rms_px, 2) -
+                           state.camera_misfit * std::pow(state.noise.pixel, 2) / corners;
+    result->own_camera_px = std::sqrt(std::max(0.0, without));
+  }
   std::vector<double> distances;
   for (const ViewResult& view : result->views) {
     if (view.used) distances.push_back(view.T_camera_board.translation().norm());

@@ -116,6 +116,15 @@ void judgeRobot(const HandEyeParams& params, const HandEyeResult& result, Reason
   }
 }
 
+void judgeCamera(const HandEyeResult& result, Reasons* reasons) {
+  constexpr double kMuchBetter = 0.8;
+  if (!(result.own_camera_px > 0.0 && result.own_camera_px < kMuchBetter * result.rms_px)) return;
+  reasons->limiting.push_back(
+      "the given camera does not fit the pictures: residual " + number(result.rms_px, 3) +
+      " px, with one estimated from them about " + number(result.own_camera_px, 2) +
+      " px; let the calibration estimate it");
+}
+
 void judgeError(const HandEyeParams& params, const HandEyeResult& result, Reasons* reasons) {
   if (result.expected_error_mm > params.tolerance_mm ||
       result.expected_error_deg > params.tolerance_deg) {
@@ -171,6 +180,7 @@ void judge(const HandEyeProblem& problem, const HandEyeParams& params, const Fin
   if (result->solved) {
     judgeSquare(problem, params, *result, &reasons);
     judgeRobot(params, *result, &reasons);
+    judgeCamera(*result, &reasons);
     judgeError(params, *result, &reasons);
   }
   if (!findings.camera_error.empty()) reasons.refusing.push_back(findings.camera_error);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view_gain.h"
 
+#include "hand_eye_normal.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,9 +20,9 @@ Chain chainOf(const HandEyeProblem& problem, const HandEyeResult& solution) {
   Chain chain;
   chain.mounting = problem.mounting;
   chain.intrinsics = fromModel(solution.camera);
+  chain.denominator = denominatorOf(solution.camera);
   chain.T_mount_camera = solution.T_mount_camera;
   chain.T_other_board = solution.T_other_board;
-  chain.denominator = denominatorOf(solution.camera);
   return chain;
 }
 
