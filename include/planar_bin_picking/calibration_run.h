@@ -84,6 +84,8 @@ class CalibrationRun {
   HandEyeResult result() const { return solveHandEye(problem_, solver_); }
 
   const HandEyeProblem& problem() const { return problem_; }
+  /// Provisional; nothing before the first small moves are done.
+  const std::optional<HandEyeResult>& solution() const { return solution_; }
   int attempts() const { return attempts_; }
   const std::vector<PlannedPose>& poses() const { return poses_; }  ///< all asked for, in order
   /// In the workspace and in the cone.

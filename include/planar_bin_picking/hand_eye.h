@@ -116,12 +116,16 @@ struct HandEyeResult {
   Eigen::Isometry3d T_other_board = Eigen::Isometry3d::Identity();   ///< other: base or flange
   Camera::Model camera;
   bool solved = false;  ///< the numbers below hold
-  /// Of [fx fy cx cy k1 k2 p1 p2 k3, xi of T_mount_camera, xi of T_other_board]; zero where fixed.
+  /// Of [fx fy cx cy k1 k2 p1 p2 k3, xi of T_mount_camera, xi of T_other_board]; of a given camera:
+  /// zero unless the pictures contradict it, then by how much.
   SharedMatrix covariance = SharedMatrix::Zero();
   double rms_px = 0.0;        ///< whole chain, with the corrected robot poses
   double chain_px = 0.0;      ///< whole chain, with the robot poses as they were reported
   double pnp_floor_px = 0.0;  ///< each board placed freely: what the corners allow
-  double sigma_px = 0.0;      ///< estimated noise of a corner's coordinate
+  /// Where the pictures contradict the given camera: about the residual that one estimated from
+  /// them would leave; else 0.
+  double own_camera_px = 0.0;
+  double sigma_px = 0.0;                   ///< estimated noise of a corner's coordinate
   double robot_mm = 0.0, robot_deg = 0.0;  ///< estimated noise of a robot pose, per axis
   double square_ratio = 0.0, square_ratio_sigma = 0.0;  ///< square that fits / square stated
   double axes_deg = 0.0;                                ///< RMS rotation about the second axis

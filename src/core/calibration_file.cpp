@@ -27,9 +27,13 @@ Values orientationOf(const Eigen::Isometry3d& T) {
   return {q.x(), q.y(), q.z(), q.w()};
 }
 
+bool isRational(const Camera::Model& camera) {
+  return camera.distortion_model == "rational_polynomial";
+}
+
 Values distortionOf(const Camera::Model& camera) {
   Values d = camera.distortion;
-  d.resize(5, 0.0);
+  d.resize(isRational(camera) ? 8 : 5, 0.0);
   return d;
 }
 
@@ -62,6 +66,7 @@ void putNumbers(YAML::Emitter& out, const HandEyeResult& result) {
   put(out, "rms_px", result.rms_px);
   put(out, "chain_px", result.chain_px);
   put(out, "pnp_floor_px", result.pnp_floor_px);
+  if (result.own_camera_px > 0.0) put(out, "own_camera_px", result.own_camera_px);
   put(out, "sigma_px", result.sigma_px);
   put(out, "robot_mm", result.robot_mm);
   put(out, "robot_deg", result.robot_deg);
@@ -122,7 +127,7 @@ std::string cameraInfoYaml(const Camera::Model& c, const std::string& name) {
   put(out, "image_height", c.height);
   put(out, "camera_name", name);
   putMatrix(out, "camera_matrix", 3, {c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0});
-  put(out, "distortion_model", "plumb_bob");
+  put(out, "distortion_model", isRational(c) ? "rational_polynomial" : "plumb_bob");
   putMatrix(out, "distortion_coefficients", 1, distortionOf(c));
   putMatrix(out, "rectification_matrix", 3, {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0});
   putMatrix(out, "projection_matrix", 3,

@@ -78,11 +78,16 @@ void numbers(const HandEyeProblem& problem, const HandEyeResult& r, Page* page) 
   for (int i = 0; i < 4; ++i) {
     row(page, names[i], intrinsics[i], "px", plus_minus(sigma(kIntrinsics + i), "px"));
   }
-  for (std::size_t i = 0; i < r.camera.distortion.size() && i < 5; ++i) {
-    row(page, std::string(std::string("k1k2p1p2k3").substr(2 * i, 2)), r.camera.distortion[i], "",
-        plus_minus(sigma(4 + static_cast<int>(i)), ""));
+  const std::string coefficients = "k1k2p1p2k3k4k5k6";
+  for (std::size_t i = 0; i < r.camera.distortion.size() && i < 8; ++i) {
+    row(page, coefficients.substr(2 * i, 2), r.camera.distortion[i], "",
+        i < 5 ? plus_minus(sigma(4 + static_cast<int>(i)), "") : "");
   }
   row(page, "residual", r.rms_px, "px", "robot poses corrected");
+  if (r.own_camera_px > 0.0) {
+    row(page, "residual with an own camera", r.own_camera_px, "px",
+        "the pictures contradict the given one");
+  }
   row(page, "residual of the chain", r.chain_px, "px", "robot poses as reported");
   row(page, "floor", r.pnp_floor_px, "px", "each board placed freely");
   row(page, "robot noise", r.robot_mm, "mm", "per axis, estimated");

@@ -147,12 +147,18 @@ void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result
   result->T_other_board = state.chain.T_other_board;
   result->camera = work.problem.camera
                        ? *work.problem.camera
-                       : toModel(state.chain.intrinsics, work.problem.width, work.problem.height);
+                       : toModel(state.chain, work.problem.width, work.problem.height);
   result->covariance = state.covariance.topLeftCorner<kSharedSize, kSharedSize>();
   result->sigma_px = state.noise.pixel;
   result->robot_mm = 1e3 * state.noise.robot_t;
   result->robot_deg = state.noise.robot_r / kRadians;
   fillViews(work, state, result);
+  if (state.camera_misfit > 0.0) {
+    const auto corners = static_cast<double>(work.usable.size() * work.problem.board.size());
+    const double without = std::pow(result->rms_px, 2) -
+                           state.camera_misfit * std::pow(state.noise.pixel, 2) / corners;
+    result->own_camera_px = std::sqrt(std::max(0.0, without));
+  }
   std::vector<double> distances;
   for (const ViewResult& view : result->views) {
     if (view.used) distances.push_back(view.T_camera_board.translation().norm());
@@ -199,7 +205,7 @@ void leaveOneOut(const Work& work, const Adjusted& state, HandEyeResult* result)
 /// Why the lens of a solution cannot be used; "" where it can.
 std::string lensError(const Work& work, const Adjusted& state) {
   try {
-    const Camera checked(toModel(state.chain.intrinsics, work.problem.width, work.problem.height));
+    const Camera checked(toModel(state.chain, work.problem.width, work.problem.height));
     return "";
   } catch (const std::invalid_argument& e) {
     return e.what();

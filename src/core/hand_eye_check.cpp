@@ -117,9 +117,6 @@ void validate(const HandEyeProblem& problem) {
              std::to_string(problem.camera->height) + ", but these have " +
              std::to_string(problem.width) + " x " + std::to_string(problem.height));
     }
-    if (problem.camera->distortion_model == "rational_polynomial") {
-      refuse("the given camera has the lens model rational_polynomial; give one with plumb_bob");
-    }
     const Camera checked(*problem.camera);
   }
   for (const Sighting& sighting : problem.sightings) {

@@ -26,6 +26,7 @@ Eigen::Matrix<double, 6, 15> partByCalibration(const Chain& chain,
   Chain seen;
   seen.mounting = Mounting::kEyeToHand;
   seen.intrinsics = chain.intrinsics;
+  seen.denominator = chain.denominator;
   const Board part{2, 2, 0.1 * T_camera_part.translation().z()};
   seen.T_other_board.translation() = Eigen::Vector3d(-0.5, -0.5, 0.0) * part.square;
   Eigen::Matrix<double, 6, 15> out = Eigen::Matrix<double, 6, 15>::Zero();
@@ -115,6 +116,15 @@ void judgeRobot(const HandEyeParams& params, const HandEyeResult& result, Reason
   }
 }
 
+void judgeCamera(const HandEyeResult& result, Reasons* reasons) {
+  constexpr double kMuchBetter = 0.8;
+  if (!(result.own_camera_px > 0.0 && result.own_camera_px < kMuchBetter * result.rms_px)) return;
+  reasons->limiting.push_back(
+      "the given camera does not fit the pictures: residual " + number(result.rms_px, 3) +
+      " px, with one estimated from them about " + number(result.own_camera_px, 2) +
+      " px; let the calibration estimate it");
+}
+
 void judgeError(const HandEyeParams& params, const HandEyeResult& result, Reasons* reasons) {
   if (result.expected_error_mm > params.tolerance_mm ||
       result.expected_error_deg > params.tolerance_deg) {
@@ -141,7 +151,7 @@ const char* nameOf(Verdict verdict) {
 }
 
 ErrorModel::ErrorModel(const Chain& chain, int width, int height, double distance) {
-  const Camera camera(toModel(chain.intrinsics, width, height));
+  const Camera camera(toModel(chain, width, height));
   const std::pair<double, double> places[] = {
       {0.5, 0.5}, {0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}};
   for (const auto& [u, v] : places) {
@@ -170,6 +180,7 @@ void judge(const HandEyeProblem& problem, const HandEyeParams& params, const Fin
   if (result->solved) {
     judgeSquare(problem, params, *result, &reasons);
     judgeRobot(params, *result, &reasons);
+    judgeCamera(*result, &reasons);
     judgeError(params, *result, &reasons);
   }
   if (!findings.camera_error.empty()) reasons.refusing.push_back(findings.camera_error);

@@ -81,13 +81,17 @@ struct Pixel {
   Eigen::Matrix<double, 2, 9> by_intrinsics;
 };
 
-/// plumb_bob, with derivatives by the point and by the intrinsics; those by the point need Camera's
-/// formula, those by the intrinsics are linear in them.
-Pixel project(const std::array<double, 9>& intrinsics, const Eigen::Vector3d& p) {
-  const auto& [fx, fy, cx, cy, k1, k2, p1, p2, k3] = intrinsics;
+/// Camera's formula, with derivatives by the point and by the intrinsics; it is linear in the
+/// latter.
+Pixel project(const Chain& chain, const Eigen::Vector3d& p) {
+  const auto& [fx, fy, cx, cy, k1, k2, p1, p2, k3] = chain.intrinsics;
+  const auto& [k4, k5, k6] = chain.denominator;
   const double x = p.x() / p.z(), y = p.y() / p.z(), r2 = x * x + y * y, r4 = r2 * r2;
-  const double radial = 1.0 + k1 * r2 + k2 * r4 + k3 * r4 * r2;
-  const double by_r2 = k1 + 2.0 * k2 * r2 + 3.0 * k3 * r4;
+  const double below = 1.0 + k4 * r2 + k5 * r4 + k6 * r4 * r2;
+  const double radial = (1.0 + k1 * r2 + k2 * r4 + k3 * r4 * r2) / below;
+  const double by_r2 =
+      (k1 + 2.0 * k2 * r2 + 3.0 * k3 * r4 - radial * (k4 + 2.0 * k5 * r2 + 3.0 * k6 * r4)) / below;
+  const double q2 = r2 / below, q4 = r4 / below, q6 = r4 * r2 / below;
   const double xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
   const double yd = y * radial + 2.0 * p2 * x * y + p1 * (r2 + 2.0 * y * y);
   Eigen::Matrix2d by_ideal;
@@ -99,10 +103,10 @@ Pixel project(const std::array<double, 9>& intrinsics, const Eigen::Vector3d& p)
   Pixel out;
   out.p_image = {fx * xd + cx, fy * yd + cy};
   out.by_point = Eigen::Vector2d(fx, fy).asDiagonal() * by_ideal * ideal_by_point / p.z();
-  out.by_intrinsics << xd, 0.0, 1.0, 0.0, fx * x * r2, fx * x * r4, fx * 2.0 * x * y,
-      fx * (r2 + 2.0 * x * x), fx * x * r4 * r2,  //
-      0.0, yd, 0.0, 1.0, fy * y * r2, fy * y * r4, fy * (r2 + 2.0 * y * y), fy * 2.0 * x * y,
-      fy * y * r4 * r2;
+  out.by_intrinsics << xd, 0.0, 1.0, 0.0, fx * x * q2, fx * x * q4, fx * 2.0 * x * y,
+      fx * (r2 + 2.0 * x * x), fx * x * q6,  //
+      0.0, yd, 0.0, 1.0, fy * y * q2, fy * y * q4, fy * (r2 + 2.0 * y * y), fy * 2.0 * x * y,
+      fy * y * q6;
   return out;
 }
 
@@ -137,7 +141,7 @@ std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T
     const Eigen::Vector3d turned = T_camera_board.pose.R * x;
     const Eigen::Vector3d p = turned + T_camera_board.pose.t;
     if (!(p.z() > kNearest)) return std::nullopt;
-    const Pixel pixel = project(chain.intrinsics, p);
+    const Pixel pixel = project(chain, p);
     out.pixels.segment<2>(2 * i) = pixel.p_image;
     if (!jacobians) continue;
     Eigen::Matrix<double, 3, kMotions> by_motion = T_camera_board.by_motion.bottomRows<3>();
@@ -163,12 +167,29 @@ Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int he
   return model;
 }
 
+Camera::Model toModel(const Chain& chain, int width, int height) {
+  Camera::Model model = toModel(chain.intrinsics, width, height);
+  if (chain.denominator == std::array<double, 3>{}) return model;
+  model.distortion_model = "rational_polynomial";
+  model.distortion.insert(model.distortion.end(), chain.denominator.begin(),
+                          chain.denominator.end());
+  return model;
+}
+
 std::array<double, 9> fromModel(const Camera::Model& model) {
   std::array<double, 9> intrinsics{model.fx, model.fy, model.cx, model.cy};
   for (std::size_t i = 0; i < 5 && i < model.distortion.size(); ++i) {
     intrinsics[4 + i] = model.distortion[i];
   }
   return intrinsics;
+}
+
+std::array<double, 3> denominatorOf(const Camera::Model& model) {
+  std::array<double, 3> denominator{};
+  for (std::size_t i = 5; i < 8 && i < model.distortion.size(); ++i) {
+    denominator[i - 5] = model.distortion[i];
+  }
+  return denominator;
 }
 
 double rms(const std::vector<Eigen::Vector2d>& residuals) {

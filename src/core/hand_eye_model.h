@@ -17,6 +17,8 @@ constexpr int kScale = kSharedSize, kColumns = kSharedSize + 1;
 struct Chain {
   Mounting mounting = Mounting::kEyeInHand;
   std::array<double, 9> intrinsics{};  ///< fx fy cx cy k1 k2 p1 p2 k3
+  std::array<double, 3>
+      denominator{};  ///< k4 k5 k6 of a given rational_polynomial; never estimated
   Eigen::Isometry3d T_mount_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_other_board = Eigen::Isometry3d::Identity();
   double scale = 1.0;  ///< of the board
@@ -43,9 +45,11 @@ struct Prediction {
 std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T_base_flange,
                                   const Increment& increment, const Board& board, bool jacobians);
 
-/// The intrinsics as Camera has them, and back.
+/// The intrinsics as Camera has them, and back; denominatorOf() is what fromModel() leaves out.
 Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int height);
+Camera::Model toModel(const Chain& chain, int width, int height);
 std::array<double, 9> fromModel(const Camera::Model& model);
+std::array<double, 3> denominatorOf(const Camera::Model& model);
 
 /// Root mean square over the corners of the distance; both of one size, not empty.
 double rms(const std::vector<Eigen::Vector2d>& residuals);

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hand_eye_noise.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "hand_eye_misfit.h"
+#include "hand_eye_normal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,77 +13,6 @@ namespace {
 
 /// Beyond so many standard deviations a corner's pull no longer grows (Huber).
 constexpr double kHuber = 2.5;
-
-/// The normal equations of one view in standard deviations: shared parameters, correction, and
-/// both.
-struct Normal {
-  Eigen::MatrixXd shared;  // kColumns square
-  Eigen::MatrixXd mixed;   // kColumns x 6
-  Matrix6d correction;     // with the prior
-};
-
-std::optional<Normal> normalOf(const Chain& chain, const Noise& noise, const Board& board,
-                               const Eigen::Isometry3d& T_base_flange, const Vector6d& correction,
-                               const std::vector<double>& weights) {
-  // About the corrected pose, where the correction itself is zero.
-  const auto prediction = predict(chain, T_base_flange * exp(correction), Increment(), board, true);
-  if (!prediction) return std::nullopt;
-  Eigen::VectorXd w(prediction->pixels.size());
-  for (Eigen::Index i = 0; i < w.size(); ++i) {
-    w[i] = std::sqrt(weights[static_cast<std::size_t>(i / 2)]) / noise.pixel;
-  }
-  const Eigen::MatrixXd s = w.asDiagonal() * prediction->shared;
-  const Eigen::MatrixXd c = w.asDiagonal() * prediction->correction;
-  Vector6d prior;
-  prior << Eigen::Vector3d::Constant(1.0 / (noise.robot_t * noise.robot_t)),
-      Eigen::Vector3d::Constant(1.0 / (noise.robot_r * noise.robot_r));
-  Normal normal;
-  normal.shared = s.transpose() * s;
-  normal.mixed = s.transpose() * c;
-  normal.correction = c.transpose() * c;
-  normal.correction.diagonal() += prior;
-  return normal;
-}
-
-Eigen::MatrixXd marginal(const Normal& normal) {
-  return normal.shared - normal.mixed * normal.correction.llt().solve(normal.mixed.transpose());
-}
-
-std::vector<Eigen::Index> estimatedColumns(const AdjustOptions& options) {
-  std::vector<Eigen::Index> columns;
-  for (Eigen::Index i = 0; i < kColumns; ++i) {
-    if (i < kHandEye && options.fixed_camera) continue;
-    if (i == kScale && !options.free_scale) continue;
-    columns.push_back(i);
-  }
-  return columns;
-}
-
-struct Normals {
-  std::vector<Normal> views;
-  Eigen::MatrixXd information;
-};
-
-std::optional<Normals> normalsOf(const HandEyeProblem& problem,
-                                 const std::vector<const Sighting*>& views,
-                                 const AdjustOptions& options, const Adjusted& state) {
-  Normals out;
-  out.information = Eigen::MatrixXd::Zero(kColumns, kColumns);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    auto normal = normalOf(state.chain, state.noise, problem.board, views[i]->T_base_flange,
-                           state.corrections[i], state.weights[i]);
-    if (!normal) return std::nullopt;
-    out.information += marginal(*normal);
-    out.views.push_back(std::move(*normal));
-  }
-  const auto lens = lensPrior(state.chain.intrinsics, problem.width, problem.height);
-  for (std::size_t i = 0; i < lens.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    const double sigma = options.lens_share * lens[i];
-    if (sigma > 0.0) out.information(k, k) += 1.0 / (sigma * sigma);
-  }
-  return out;
-}
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -120,44 +49,6 @@ void weighCorners(const HandEyeProblem& problem, const std::vector<const Sightin
 }
 
 }  // namespace
-
-Eigen::MatrixXd viewInformation(const Chain& chain, const Noise& noise, const Board& board,
-                                const Eigen::Isometry3d& T_base_flange,
-                                const std::vector<double>& weights) {
-  const auto normal = normalOf(chain, noise, board, T_base_flange, Vector6d::Zero(), weights);
-  if (!normal) return Eigen::MatrixXd::Zero(kColumns, kColumns);
-  return marginal(*normal);
-}
-
-std::optional<Eigen::MatrixXd> invertInformation(const Eigen::MatrixXd& information,
-                                                 const AdjustOptions& options) {
-  const std::vector<Eigen::Index> columns = estimatedColumns(options);
-  const auto n = static_cast<Eigen::Index>(columns.size());
-  Eigen::MatrixXd part(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index k = 0; k < n; ++k) {
-      part(i, k) =
-          information(columns[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(k)]);
-    }
-  }
-  // Pixels, metres and lens coefficients: scaled to a unit diagonal before anything is compared.
-  if (!(part.diagonal().minCoeff() > 0.0)) return std::nullopt;
-  const Eigen::VectorXd scale = part.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * part *
-                                                             scale.asDiagonal());
-  if (eigen.info() != Eigen::Success || !(eigen.eigenvalues()[0] > 1e-13)) return std::nullopt;
-  const Eigen::MatrixXd V = scale.asDiagonal() * eigen.eigenvectors();
-  const Eigen::MatrixXd inverse =
-      V * eigen.eigenvalues().cwiseInverse().asDiagonal() * V.transpose();
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(kColumns, kColumns);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index k = 0; k < n; ++k) {
-      covariance(columns[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(k)]) =
-          inverse(i, k);
-    }
-  }
-  return covariance;
-}
 
 void estimateNoise(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
                    const AdjustOptions& options, Adjusted* state) {
@@ -196,6 +87,10 @@ void estimateCovariance(const HandEyeProblem& problem, const std::vector<const S
   const auto covariance = normals ? invertInformation(normals->information, options) : std::nullopt;
   state->degenerate = !covariance;
   state->covariance = covariance ? *covariance : Eigen::MatrixXd::Zero(kColumns, kColumns);
+  state->camera_misfit = 0.0;
+  if (state->degenerate) return;
+  widenByScatter(*normals, options, state);
+  if (options.fixed_camera && !options.free_scale) widenByGivenCamera(problem, *normals, state);
 }
 
 std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,

@@ -32,6 +32,9 @@ struct Adjusted {
   Eigen::MatrixXd covariance;                ///< kColumns square; zero where not estimated
   bool converged = false;
   bool degenerate = false;  ///< the covariance does not exist
+  /// Squared residuals, in variances, that another camera than the given one would take away; 0
+  /// where that many could do so by chance.
+  double camera_misfit = 0.0;
 };
 
 /// Starts from `start` and the noise in it, weights corners robustly, re-estimates the noise.
@@ -41,18 +44,6 @@ Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Sighting*
 
 /// A start without corrections.
 Adjusted startAt(const Chain& chain, const Noise& noise, std::size_t views, std::size_t corners);
-
-/// What one view tells about the shared parameters (kColumns square), its robot correction
-/// marginalised.
-/// @return  zero where the board is not in front of the camera
-Eigen::MatrixXd viewInformation(const Chain& chain, const Noise& noise, const Board& board,
-                                const Eigen::Isometry3d& T_base_flange,
-                                const std::vector<double>& weights);
-
-/// The inverse of the information over the estimated columns; the others stay zero.
-/// @return  nothing where it is singular
-std::optional<Eigen::MatrixXd> invertInformation(const Eigen::MatrixXd& information,
-                                                 const AdjustOptions& options);
 
 /// Residuals of a view: seen minus predicted. Empty where the prediction fails.
 std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,

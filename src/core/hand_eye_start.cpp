@@ -145,6 +145,7 @@ std::vector<Chain> closedForms(const HandEyeProblem& problem, const std::vector<
     Chain chain;
     chain.mounting = problem.mounting;
     chain.intrinsics = intrinsics;
+    if (problem.camera) chain.denominator = denominatorOf(*problem.camera);
     chain.T_mount_camera = T_mount_camera;
     chain.scale = scale;
     chain.T_other_board = otherBoard(motions, T_mount_camera, scale);

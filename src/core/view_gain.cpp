@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "view_gain.h"
 
+#include "hand_eye_normal.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,9 +20,19 @@ Chain chainOf(const HandEyeProblem& problem, const HandEyeResult& solution) {
   Chain chain;
   chain.mounting = problem.mounting;
   chain.intrinsics = fromModel(solution.camera);
+  chain.denominator = denominatorOf(solution.camera);
   chain.T_mount_camera = solution.T_mount_camera;
   chain.T_other_board = solution.T_other_board;
   return chain;
+}
+
+/// RMS error of a part's position and rotation, and of the camera's own place.
+std::array<double, 4> errorsOf(const ErrorModel& model, const Eigen::MatrixXd& covariance) {
+  const ExpectedError part = model.of(covariance);
+  const auto camera = [&covariance](Eigen::Index at) {
+    return std::sqrt(covariance.block<3, 3>(at, at).trace());
+  };
+  return {part.metres, part.radians, camera(kHandEye), camera(kHandEye + 3)};
 }
 
 Eigen::Vector3d centreOf(const Board& board) { return 0.5 * board.corner(board.size() - 1); }
@@ -53,9 +65,7 @@ ViewGain::ViewGain(const HandEyeProblem& problem, const HandEyeResult& solution,
   }
   covariance_ =
       invertInformation(information_, options_).value_or(Eigen::MatrixXd::Zero(kColumns, kColumns));
-  const ExpectedError now = model_.of(covariance_);
-  error_t_ = std::max(1e-9, now.metres);
-  error_r_ = std::max(1e-9, now.radians);
+  errors_ = errorsOf(model_, covariance_);
 }
 
 Eigen::Isometry3d ViewGain::draw(double tilt_max, const Eigen::Isometry3d& T_base_start,
@@ -122,8 +132,10 @@ std::optional<double> ViewGain::errorAfter(const Eigen::Isometry3d& T_base_flang
       information_ + viewInformation(chain_, noise_, problem_.board, T_base_flange, weights_),
       options_);
   if (!covariance) return std::nullopt;
-  const ExpectedError error = model_.of(*covariance);
-  return error.metres / error_t_ + error.radians / error_r_;
+  const std::array<double, 4> errors = errorsOf(model_, *covariance);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < errors.size(); ++i) sum += errors[i] / std::max(1e-9, errors_[i]);
+  return sum;
 }
 
 }  // namespace planar_bin_picking

@@ -6,6 +6,7 @@
 
 #include "hand_eye_judge.h"
 
+#include <array>
 #include <random>
 
 namespace planar_bin_picking {
@@ -25,8 +26,9 @@ class ViewGain {
   Eigen::Isometry3d draw(double tilt_max, const Eigen::Isometry3d& T_base_start,
                          std::mt19937* random) const;
 
-  /// Expected error once this view is there: position and rotation against their present size,
-  /// summed.
+  /// Expected error once this view is there: position and rotation of a part and of the camera
+  /// itself, each against its present size, summed. The camera's own place counts since a part's
+  /// errors cancel at one distance alone.
   /// @return  nothing where the board might leave the image, or be too slanted or small for the
   /// detector
   std::optional<double> errorAfter(const Eigen::Isometry3d& T_base_flange) const;
@@ -41,7 +43,7 @@ class ViewGain {
   AdjustOptions options_;
   ErrorModel model_;
   double margin_px_, caution_;
-  double error_t_ = 1.0, error_r_ = 1.0;  // at present
+  std::array<double, 4> errors_{};  // at present, see errorsOf
   std::vector<double> weights_;
 };
 

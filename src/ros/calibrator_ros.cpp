@@ -113,6 +113,10 @@ bool CalibratorRos::start(Request&, Response& response) {
     return true;
   }
   if (thread_.joinable()) thread_.join();
+  {
+    const std::lock_guard<std::mutex> status_lock(status_mutex_);
+    poses_so_far_ = summarize({});
+  }
   stop_ = false;
   running_ = true;
   thread_ = std::thread(&CalibratorRos::runThread, this);
@@ -197,17 +201,25 @@ std::string CalibratorRos::calibrate() {
     checkStop();
     setStatus("running: pose " + std::to_string(run.attempts()) + ", " +
               std::to_string(run.problem().sightings.size()) + " pictures so far");
-    markers_.publish(makePlanMarkers(params_.base_frame, run.poses()));
+    show(run);
     visit(*target, move, &run);
     move = true;
   }
-  markers_.publish(makePlanMarkers(params_.base_frame, run.poses()));
+  show(run);
   robot_.move(first.T_base_flange, stop_);
   setStatus("running: solving");
   HandEyeResult result = run.result();
   checkStop();
   if (result.verdict != Verdict::kGood) explain(run, &result);
   return save(run.problem(), result);
+}
+
+void CalibratorRos::show(const CalibrationRun& run) {
+  const auto& solution = run.solution();
+  markers_.publish(makePlanMarkers(params_.base_frame, params_.mountingValue(), run.poses(),
+                                   solution ? &*solution : nullptr));
+  const std::lock_guard<std::mutex> lock(status_mutex_);
+  poses_so_far_ = summarize(run.poses());
 }
 
 void CalibratorRos::visit(const Eigen::Isometry3d& T_base_flange, bool move, CalibrationRun* run) {
@@ -272,14 +284,18 @@ std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResu
 
 bool CalibratorRos::plan(Request&, Response& response) {
   try {
-    if (running_)
-      throw std::runtime_error("a calibration is under way; its plan is on ~plan_markers");
+    if (running_) {
+      const std::lock_guard<std::mutex> lock(status_mutex_);
+      response.success = true;
+      response.message = "under way; on ~plan_markers are " + poses_so_far_;
+      return true;
+    }
     const Look first = look();
     CalibrationRun run(emptyProblem(first), params_.solver, params_.run, first.T_base_flange);
     // Later poses depend on what is seen: these are the first ones.
     for (int i = 0; i < 6 && run.next(); ++i) {
     }
-    markers_.publish(makePlanMarkers(params_.base_frame, run.poses()));
+    show(run);
     response.success = true;
     response.message = "the first " + std::to_string(run.poses().size()) +
                        " poses are on ~plan_markers; later ones follow from what is seen";

@@ -63,6 +63,8 @@ class CalibratorRos {
   /// @throws std::runtime_error  no image, no transform
   Look look();
   planar_bin_picking::HandEyeProblem emptyProblem(const Look& look) const;
+  /// Publishes the run's poses and keeps what ~plan says of them.
+  void show(const planar_bin_picking::CalibrationRun& run);
   std::string save(const planar_bin_picking::HandEyeProblem& problem,
                    const planar_bin_picking::HandEyeResult& result);
   void setStatus(const std::string& text);
@@ -81,6 +83,7 @@ class CalibratorRos {
   std::mutex start_mutex_, sample_mutex_, status_mutex_;
   std::thread thread_;
   std::unique_ptr<planar_bin_picking::HandEyeProblem> samples_;  // of push mode
+  std::string poses_so_far_;                                     // guarded by status_mutex_
   std::string camera_frame_;                                     // of the latest image
   ros::Publisher status_, markers_;
   std::vector<ros::ServiceServer> services_;

@@ -14,6 +14,8 @@ struct CellParams {
   std::string parts_folder;  ///< *.yaml and *.dxf in it are the parts
   std::string target_frame;  ///< frame of the answers; "" = the camera's
   std::string frame_prefix;  ///< in front of the parts' tf frames, where two cameras see one part
+  /// The calibrator's camera_info.yaml, in place of what comes with the images; "" = the latter.
+  std::string camera_info_file;
   /// Where parts may lie, along the optical axis, metres: from the top of a full bin to its floor.
   double distance_min = 0.0, distance_max = 0.0;
   /// Or, in place of these, the bin's inner space as a box: its frame and two opposite corners in
@@ -38,6 +40,7 @@ struct CellParams {
     visit("parts_folder", self.parts_folder);
     visit("target_frame", self.target_frame);
     visit("frame_prefix", self.frame_prefix);
+    visit("camera_info_file", self.camera_info_file);
     visit("distance_min", self.distance_min, 0.0, 100.0);
     visit("distance_max", self.distance_max, 0.0, 100.0);
     visit("bin_frame", self.bin_frame);

@@ -16,9 +16,11 @@
 
 #include <chrono>
 #include <cstdio>
+#include <sstream>
 
 namespace planar_bin_picking_ros {
 
+using planar_bin_picking::Camera;
 using planar_bin_picking::FaceFilter;
 using planar_bin_picking::LocateRequest;
 
@@ -43,6 +45,11 @@ FaceFilter faceFilter(const std::uint8_t face) {
   }
   throw Refusal(planar_bin_picking::LocatePart::Response::BAD_REQUEST,
                 "face is " + std::to_string(face) + "; it must be ANY (0), FRONT (1) or BACK (2)");
+}
+
+std::optional<Camera> loadCameraFile(const std::string& path) {
+  if (path.empty()) return std::nullopt;
+  return planar_bin_picking::loadCamera(path);
 }
 
 /// How many poses the plane ruled out.
@@ -97,6 +104,7 @@ class LocatorRos::Stopwatch {
 LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : locator_(loadLocatorParams(readTree(pnh, kLocatorParams))),
       cell_(loadCellParams(readTree(pnh, kCellParams))),
+      camera_(loadCameraFile(cell_.camera_info_file)),
       library_(cell_.parts_folder),
       image_nh_(onQueue(nh, &image_queue_)),
       call_pnh_(onQueue(pnh, &call_queue_)),
@@ -152,6 +160,19 @@ bool LocatorRos::serveReport(planar_bin_picking::ReportPick::Request& request,
   return true;
 }
 
+Camera LocatorRos::cameraOf(const Frame& frame) const {
+  if (!camera_) return toCamera(*frame.info, *frame.image);
+  const Camera::Model& model = camera_->model();
+  const int width = static_cast<int>(frame.image->width);
+  const int height = static_cast<int>(frame.image->height);
+  if (model.width == width && model.height == height) return *camera_;
+  std::ostringstream text;
+  text << "camera_info: " << cell_.camera_info_file << " is for " << model.width << " x "
+       << model.height << " pixels, the image has " << width << " x " << height
+       << "; calibrate at this resolution";
+  throw Refusal(planar_bin_picking::LocatePart::Response::BAD_CAMERA_INFO, text.str());
+}
+
 void LocatorRos::answer(const Request& request, Response& response) {
   Stopwatch watch(response);
   const std::vector<PartPtr> parts = library_.select(request.part);
@@ -160,8 +181,7 @@ void LocatorRos::answer(const Request& request, Response& response) {
   watch.lap("wait");
 
   const std_msgs::Header& image = frame.image->header;
-  Answer answer{parts, frame, toGrey(frame.image), toCamera(*frame.info, *frame.image), {},
-                image, {}};
+  Answer answer{parts, frame, toGrey(frame.image), cameraOf(frame), {}, image, {}};
   watch.lap("convert");
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;

@@ -24,6 +24,7 @@
 #include <tf2_ros/transform_listener.h>
 
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,8 @@ class LocatorRos {
   void answer(const Request& request, Response& response);
 
   Frame awaitFrame(const Request& request);
+  /// As the file says, where there is one, or else as its camera_info. @throws Refusal
+  planar_bin_picking::Camera cameraOf(const Frame& frame) const;
   /// Asks for an image where images do not come of themselves.
   void trigger();
   /// @throws Refusal  NO_TRANSFORM
@@ -60,6 +63,7 @@ class LocatorRos {
 
   const planar_bin_picking::Locator locator_;
   const CellParams cell_;
+  const std::optional<planar_bin_picking::Camera> camera_;  ///< of camera_info_file
   const PartLibrary library_;
 
   ros::CallbackQueue image_queue_, call_queue_;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hand_eye_model.h"
+#include "planar_bin_picking/camera.h"
 #include "support/board_problem.h"
 #include "support/matchers.h"
 
@@ -43,9 +44,25 @@ TEST_P(HandEyeModel, PredictsWhatTheCellShows) {
   }
 }
 
+TEST_P(HandEyeModel, PredictsWhatARationalCameraShows) {
+  Chain chain = trueChain(cell_);
+  chain.denominator = {0.2, -0.1, 0.05};
+  const Camera camera(toModel(chain, cell_.camera.width, cell_.camera.height));
+  ASSERT_EQ(camera.model().distortion_model, "rational_polynomial");
+  EXPECT_EQ(denominatorOf(camera.model()), chain.denominator);
+  const auto prediction = predict(chain, sighting_.T_base_flange, {}, board_, false);
+  ASSERT_TRUE(prediction);
+  const Eigen::Isometry3d T_camera_board = chain.cameraBoard(sighting_.T_base_flange);
+  for (std::size_t i = 0; i < board_.size(); ++i) {
+    const Eigen::Vector2d p = prediction->pixels.segment<2>(2 * static_cast<Eigen::Index>(i));
+    EXPECT_LT((p - camera.project(T_camera_board * board_.corner(i))).norm(), 1e-8);
+  }
+}
+
 TEST_P(HandEyeModel, JacobiansEqualDifferences) {
   using Point = Eigen::Matrix<double, kColumns + 6, 1>;
-  const Chain chain = trueChain(cell_);
+  Chain chain = trueChain(cell_);
+  chain.denominator = {0.2, -0.1, 0.05};
   Point at = Point::Zero();
   for (int i = 0; i < 9; ++i) at[i] = chain.intrinsics[static_cast<std::size_t>(i)];
   // Away from zero, since the solver asks there, too.

@@ -28,6 +28,18 @@ testing::AssertionResult refusedFor(const HandEyeResult& result,
          << nameOf(result.verdict) << ": " << reasons;
 }
 
+Camera::Model trueCamera(const sim::BoardCell& cell) {
+  Camera::Model camera;
+  camera.width = cell.camera.width;
+  camera.height = cell.camera.height;
+  camera.fx = cell.camera.fx;
+  camera.fy = cell.camera.fy;
+  camera.cx = cell.camera.cx;
+  camera.cy = cell.camera.cy;
+  camera.distortion.assign(cell.camera.lens.begin(), cell.camera.lens.end());
+  return camera;
+}
+
 class HandEye : public testing::TestWithParam<bool> {
  protected:
   HandEye() : cell_(sim::makeCell(GetParam(), &random_)) {}
@@ -166,20 +178,65 @@ TEST_P(HandEye, SortsOutBoardsThatLookTheSameTurned) {
 
 TEST_P(HandEye, HoldsAGivenCamera) {
   HandEyeProblem problem = randomProblem(cell_, 10, &random_);
-  Camera::Model camera;
-  camera.width = cell_.camera.width;
-  camera.height = cell_.camera.height;
-  camera.fx = cell_.camera.fx;
-  camera.fy = cell_.camera.fy;
-  camera.cx = cell_.camera.cx;
-  camera.cy = cell_.camera.cy;
-  camera.distortion.assign(cell_.camera.lens.begin(), cell_.camera.lens.end());
-  problem.camera = camera;
+  problem.camera = trueCamera(cell_);
   const HandEyeResult result = solveHandEye(problem, {});
   EXPECT_EQ(result.verdict, Verdict::kGood) << joined(result.reasons);
-  EXPECT_EQ(result.camera.fx, camera.fx);
+  EXPECT_EQ(result.camera.fx, problem.camera->fx);
   EXPECT_EQ(result.covariance.leftCols(kHandEye).norm(), 0.0);
+  EXPECT_EQ(result.own_camera_px, 0.0);
   EXPECT_TRUE(isometryNear(result.T_mount_camera, cell_.T_mount_camera, 1e-4, 0.01 * sim::kDegree));
+}
+
+TEST_P(HandEye, HoldsAGivenRationalCamera) {
+  HandEyeProblem problem = randomProblem(cell_, 12, &random_);
+  Camera::Model model = trueCamera(cell_);
+  model.distortion_model = "rational_polynomial";
+  model.distortion.insert(model.distortion.end(), {0.2, -0.1, 0.05});
+  const Camera camera(model);
+  for (Sighting& sighting : problem.sightings) {
+    const Eigen::Isometry3d T_camera_board = cell_.cameraBoard(sighting.T_base_flange);
+    for (std::size_t i = 0; i < sighting.corners.size(); ++i) {
+      sighting.corners[i] = camera.project(T_camera_board * problem.board.corner(i));
+    }
+  }
+  problem.camera = model;
+  const HandEyeResult result = solveHandEye(problem, {});
+  EXPECT_EQ(result.verdict, Verdict::kGood) << joined(result.reasons);
+  EXPECT_LT(result.rms_px, 1e-3);
+  EXPECT_EQ(result.camera.distortion, model.distortion);
+  EXPECT_TRUE(isometryNear(result.T_mount_camera, cell_.T_mount_camera, 1e-5, 1e-3 * sim::kDegree));
+}
+
+// Without the widening the mean square is five variances, and own_camera_px stays 0.
+TEST_P(HandEye, AllowsForAGivenCameraThatThePicturesContradict) {
+  double squares = 0.0;
+  constexpr int kProblems = 10;
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < kProblems; ++i) {
+    HandEyeProblem problem = randomProblem(cell_, 15, &random_);
+    problem.camera = trueCamera(cell_);
+    problem.camera->fx += 2.0 * normal(random_);
+    problem.camera->cx += 2.0 * normal(random_);
+    problem.camera->cy += 2.0 * normal(random_);
+    const HandEyeResult result = solveHandEye(problem, {});
+    ASSERT_TRUE(result.solved) << joined(result.reasons);
+    EXPECT_EQ(result.camera.cx, problem.camera->cx);
+    EXPECT_GT(result.own_camera_px, 0.0);
+    const Vector6d error = log(result.T_mount_camera.inverse() * cell_.T_mount_camera);
+    squares +=
+        error.head<3>().squaredNorm() / result.covariance.block<3, 3>(kHandEye, kHandEye).trace();
+  }
+  EXPECT_NEAR(std::log(squares / kProblems), 0.0, std::log(4.0));
+}
+
+TEST_P(HandEye, NamesAGivenCameraThatDoesNotFit) {
+  HandEyeProblem problem = randomProblem(cell_, 15, &random_);
+  problem.camera = trueCamera(cell_);
+  problem.camera->distortion.assign(5, 0.0);
+  const HandEyeResult result = solveHandEye(problem, {});
+  EXPECT_NE(result.verdict, Verdict::kGood);
+  EXPECT_NE(joined(result.reasons).find("given camera does not fit"), std::string::npos)
+      << joined(result.reasons);
 }
 
 TEST_P(HandEye, IsTheSameEveryTime) {
@@ -219,6 +276,40 @@ TEST(HandEyeSigma, IsHonest) {
     EXPECT_NEAR(std::log(translation / kCells / 3.0), 0.0, std::log(2.0)) << mm << " mm";
     EXPECT_NEAR(std::log(rotation / kCells / 3.0), 0.0, std::log(2.0)) << deg << " deg";
   }
+}
+
+/// Moves each view's corners by a smooth field of its own, as a board that bends or uneven light
+/// do.
+void bendViews(double bend_px, std::mt19937* random, HandEyeProblem* problem) {
+  std::normal_distribution<double> normal(0.0, bend_px);
+  for (Sighting& sighting : problem->sightings) {
+    Eigen::Matrix<double, 2, 3> field;
+    for (int i = 0; i < field.size(); ++i) field(i) = normal(*random);
+    for (std::size_t i = 0; i < sighting.corners.size(); ++i) {
+      const Eigen::Vector3d x = problem->board.corner(i) / problem->board.corner(53).x();
+      sighting.corners[i] += field * Eigen::Vector3d(x.x() * x.x(), x.x() * x.y(), x.y() * x.y());
+    }
+  }
+}
+
+// Taken for independent, the corners promise so much that the mean square is 7 variances, of fx 28.
+TEST(HandEyeSigma, IsHonestWhereTheErrorsOfAViewHangTogether) {
+  double translation = 0.0, fx = 0.0;
+  constexpr int kCells = 30;
+  for (int seed = 0; seed < kCells; ++seed) {
+    std::mt19937 random(static_cast<unsigned>(seed) + 300);
+    const sim::BoardCell cell = sim::makeCell(seed % 2 == 0, &random);
+    HandEyeProblem problem = randomProblem(cell, 15, &random);
+    bendViews(0.5, &random, &problem);
+    const HandEyeResult result = solveHandEye(problem, {});
+    ASSERT_TRUE(result.solved);
+    const Vector6d error = log(result.T_mount_camera.inverse() * cell.T_mount_camera);
+    translation +=
+        error.head<3>().squaredNorm() / result.covariance.block<3, 3>(kHandEye, kHandEye).trace();
+    fx += std::pow(result.camera.fx - cell.camera.fx, 2) / result.covariance(0, 0);
+  }
+  EXPECT_NEAR(std::log(translation / kCells), 0.0, std::log(4.0));
+  EXPECT_NEAR(std::log(fx / kCells), 0.0, std::log(4.0));
 }
 
 TEST(HandEyeInput, IsChecked) {

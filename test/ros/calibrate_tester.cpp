@@ -69,6 +69,10 @@ TEST_F(Calibrate, EndsAsExpected) {
   EXPECT_FALSE(call(name_ + "/start").response.success);
   if (abort_after >= 0) {
     ASSERT_TRUE(await([&] { return moves_ > abort_after; }, 60.0));
+    const std_srvs::Trigger plan = call(name_ + "/plan");
+    EXPECT_TRUE(plan.response.success) << plan.response.message;
+    EXPECT_NE(plan.response.message.find(", 1 planned"), std::string::npos)
+        << plan.response.message;
     const auto before = std::chrono::steady_clock::now();
     EXPECT_TRUE(call(name_ + "/abort").response.success);
     ASSERT_TRUE(await([&] { return ended(); }, 5.0));
