@@ -15,14 +15,27 @@ namespace {
 
 constexpr double kRadians = EIGEN_PI / 180.0;
 
-/// Of the visible face, toward the camera.
-Eigen::Vector3d normalOf(const RefinedPose& pose) {
-  return pose.T_camera_part.linear().col(2) * (pose.face == Face::kFront ? 1.0 : -1.0);
-}
-
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return values[values.size() / 2];
+}
+
+/// A pose's visible face: its centre frame, and a normal along that frame's axes.
+struct Lying {
+  Eigen::Isometry3d T_camera_centre;
+  double up;  // the frame's z axis times this points toward the camera
+
+  Lying(const RefinedPose& pose, const PartModel& part)
+      : T_camera_centre(pose.T_camera_part * centreOf(part, pose.face)),
+        up(pose.face == Face::kFront ? 1.0 : -1.0) {}
+  Eigen::Vector3d normal() const { return up * T_camera_centre.linear().col(2); }
+  Eigen::Vector3d inCentre(const Eigen::Vector3d& normal_camera) const {
+    return T_camera_centre.linear().transpose() * normal_camera;
+  }
+};
+
+double underside(const Lying& lying, const PartModel& part, const Eigen::Vector3d& normal_camera) {
+  return normal_camera.dot(lying.T_camera_centre.translation()) - part.thickness();
 }
 
 /// Of the two tilts, per axis.
@@ -30,57 +43,98 @@ double tiltVariance(const RefinedPose& pose) {
   return 0.5 * (pose.covariance(3, 3) + pose.covariance(4, 4));
 }
 
-/// Variance of the tilts that others like this one have, by how far it is off: a few lie anyhow.
-double spreadAt(double off2, double measured, double spread) {
-  constexpr double kAnyhow = 15.0 * kRadians, kShareAnyhow = 0.1;
-  const auto density = [&](double variance) { return std::exp(-0.5 * off2 / variance) / variance; };
-  const double alike = measured + spread * spread, anyhow = measured + kAnyhow * kAnyhow;
-  return (1.0 - kShareAnyhow) * density(alike) > kShareAnyhow * density(anyhow) ? spread * spread
-                                                                                : kAnyhow * kAnyhow;
+double heightVariance(const RefinedPose& pose, const Eigen::Vector3d& normal_centre) {
+  return normal_centre.dot(pose.covariance.topLeftCorner<3, 3>() * normal_centre);
+}
+
+/// Standard deviation of the true values, from what the measured ones scatter beyond their errors.
+double spreadOf(const std::vector<double>& squares, double to_variance,
+                const std::vector<double>& variances, double least) {
+  return std::sqrt(std::max(least * least, to_variance * median(squares) - median(variances)));
+}
+
+/// Variance among the others that are like this one, by how far it is off: a few lie anyhow.
+double varianceAt(double off2, int dimensions, double measured, double spread, double anyhow) {
+  constexpr double kShareAnyhow = 0.1;
+  const auto density = [&](double sigma) {
+    const double variance = measured + sigma * sigma;
+    return std::exp(-0.5 * off2 / variance) / std::pow(variance, 0.5 * dimensions);
+  };
+  const bool alike = (1.0 - kShareAnyhow) * density(spread) > kShareAnyhow * density(anyhow);
+  return alike ? spread * spread : anyhow * anyhow;
 }
 
 }  // namespace
 
-std::optional<CommonLie> commonLie(const std::vector<RefinedPose>& poses) {
+std::optional<CommonLie> commonLie(const std::vector<RefinedPose>& poses,
+                                   const std::vector<std::shared_ptr<const PartModel>>& parts) {
   constexpr std::size_t kFew = 6;
-  constexpr double kLeast = 0.2 * kRadians;
-  constexpr double kToVariance = 1.0 / 1.386;  // of two Gaussians' median sum of squares
+  constexpr double kLeastTilt = 0.2 * kRadians, kLeastHeight = 0.2e-3;
+  constexpr double kOfOne = 2.198, kOfTwo = 0.721;  // variance / median of one, two squares' sum
   if (poses.size() < kFew) return std::nullopt;
+  std::vector<Lying> lying;
+  for (const auto& p : poses) lying.emplace_back(p, *parts[p.part]);
   CommonLie lie;
   for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> values;
-    for (const auto& p : poses) values.push_back(normalOf(p)(axis));
-    lie.normal_camera(axis) = median(values);
+    std::vector<double> normals, places;
+    for (const auto& l : lying) {
+      normals.push_back(l.normal()(axis));
+      places.push_back(l.T_camera_centre.translation()(axis));
+    }
+    lie.normal_camera(axis) = median(normals);
+    lie.middle_camera(axis) = median(places);
   }
   lie.normal_camera.normalize();
-  std::vector<double> squares, measured;
-  for (const auto& p : poses) {
-    squares.push_back((normalOf(p) - lie.normal_camera).squaredNorm());
-    measured.push_back(tiltVariance(p));
+  std::vector<double> heights;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    heights.push_back(underside(lying[i], *parts[poses[i].part], lie.normal_camera));
   }
-  lie.spread =
-      std::sqrt(std::max(kLeast * kLeast, kToVariance * median(squares) - median(measured)));
+  lie.height = median(heights);
+  std::vector<double> tilts, tilt_variances, rises, height_variances;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    tilts.push_back((lying[i].normal() - lie.normal_camera).squaredNorm());
+    tilt_variances.push_back(tiltVariance(poses[i]));
+    rises.push_back(std::pow(heights[i] - lie.height, 2));
+    height_variances.push_back(heightVariance(poses[i], lying[i].inCentre(lie.normal_camera)));
+  }
+  lie.tilt_spread = spreadOf(tilts, kOfTwo, tilt_variances, kLeastTilt);
+  lie.height_spread = spreadOf(rises, kOfOne, height_variances, kLeastHeight);
+  // Light, bevel and focal length move the edges of all parts alike, so the errors of tilts average
+  // out but those of heights do only in part.
+  constexpr double kAlike = 0.5;
+  const double count = static_cast<double>(poses.size());
+  lie.tilt_sigma = std::sqrt((std::pow(lie.tilt_spread, 2) + median(tilt_variances)) / count);
+  lie.height_sigma = kAlike * std::sqrt(median(height_variances));
   return lie;
 }
 
 void fuseWithCommonLie(const CommonLie& lie,
                        const std::vector<std::shared_ptr<const PartModel>>& parts,
                        std::vector<RefinedPose>* poses) {
+  constexpr double kAnyTilt = 15.0 * kRadians, kAnyHeight = 0.05;
   for (auto& p : *poses) {
-    const Eigen::Isometry3d T_part_centre = centreOf(*parts[p.part], p.face);
-    const Eigen::Isometry3d T_camera_centre = p.T_camera_part * T_part_centre;
-    const double up = p.face == Face::kFront ? 1.0 : -1.0;
-    // The common normal along the part's x and y: zero where the part lies along it.
-    const Eigen::Vector3d n = up * T_camera_centre.linear().transpose() * lie.normal_camera;
-    const Eigen::Vector2d off = n.head<2>();
-    Eigen::Matrix<double, 2, 6> J = Eigen::Matrix<double, 2, 6>::Zero();
-    J.rightCols<3>() = skew(n).topRows<2>();  // a turn w of the part takes n to n - w x n
-    const Eigen::Matrix2d measured = J * p.covariance * J.transpose();
-    const double spread2 = spreadAt(off.squaredNorm(), 0.5 * measured.trace(), lie.spread);
-    const Eigen::Matrix2d sum = measured + spread2 * Eigen::Matrix2d::Identity();
-    const Eigen::Matrix<double, 6, 2> gain = sum.ldlt().solve(J * p.covariance).transpose();
+    const PartModel& part = *parts[p.part];
+    const Lying lying(p, part);
+    const Eigen::Vector3d n = lying.inCentre(lie.normal_camera);
+    // Zero where the part lies like the others: underside, normal along the part's x and y.
+    Eigen::Vector3d off;
+    off << underside(lying, part, lie.normal_camera) - lie.height, lying.up * n.head<2>();
+    Eigen::Matrix<double, 3, 6> J = Eigen::Matrix<double, 3, 6>::Zero();
+    J.topLeftCorner<1, 3>() = n.transpose();
+    J.bottomRightCorner<2, 3>() = lying.up * skew(n).topRows<2>();  // a turn w takes n to n - w x n
+    const Eigen::Matrix3d measured = J * p.covariance * J.transpose();
+    const double aside = (lying.T_camera_centre.translation() - lie.middle_camera).norm();
+    const double plane2 = std::pow(lie.height_sigma, 2) + std::pow(lie.tilt_sigma * aside, 2);
+    const double height2 = plane2 + varianceAt(off(0) * off(0), 1, measured(0, 0) + plane2,
+                                               lie.height_spread, kAnyHeight);
+    const double tilt2 =
+        varianceAt(off.tail<2>().squaredNorm(), 2, 0.5 * measured.bottomRightCorner<2, 2>().trace(),
+                   lie.tilt_spread, kAnyTilt);
+    const Eigen::Matrix3d sum =
+        measured + Eigen::Matrix3d(Eigen::Vector3d(height2, tilt2, tilt2).asDiagonal());
+    const Eigen::Matrix<double, 6, 3> gain = sum.ldlt().solve(J * p.covariance).transpose();
     const Vector6d xi = -gain * off;
-    p.T_camera_part = T_camera_centre * exp(xi) * T_part_centre.inverse();
+    p.T_camera_part = lying.T_camera_centre * exp(xi) * centreOf(part, p.face).inverse();
     const Matrix6d left = p.covariance - gain * J * p.covariance;
     p.covariance = 0.5 * (left + left.transpose());
   }

@@ -13,18 +13,25 @@
 
 namespace planar_bin_picking {
 
-/// How the faces of most parts lie: plates rest on one another and on one floor.
+/// How most parts lie: plates rest on one another and on one floor.
 struct CommonLie {
-  Eigen::Vector3d normal_camera;  ///< unit, toward the camera
-  double spread;                  ///< standard deviation of a face's normal about it, rad per axis
+  Eigen::Vector3d normal_camera;  ///< of the faces, unit, toward the camera
+  double tilt_spread;             ///< standard deviation of a face's normal about it, rad per axis
+  double height;                  ///< of the undersides along the normal, metres from the camera
+  double height_spread;           ///< standard deviation of an underside about it, metres
+  /// How well normal and height are known themselves: rad per axis, metres at the middle.
+  double tilt_sigma, height_sigma;
+  Eigen::Vector3d middle_camera;  ///< of the parts, metres
 };
 
 /// @return  nothing where the poses are too few to tell
-std::optional<CommonLie> commonLie(const std::vector<RefinedPose>& poses);
+std::optional<CommonLie> commonLie(const std::vector<RefinedPose>& poses,
+                                   const std::vector<std::shared_ptr<const PartModel>>& parts);
 
-/// The tilt is what a picture tells worst; where it leaves a tilt open, the way that the other
-/// parts lie is likely, and the more so the more alike these lie (an empirical Bayes estimate). A
-/// pose that clearly lies otherwise is left alone: a few parts lean on others or on the wall.
+/// Tilt and depth are what a picture tells worst; where it leaves them open, the way that the other
+/// parts lie is likely, and the more so the more alike these lie (an empirical Bayes estimate): in
+/// a single layer both are told well, in a heap the depth not at all. A pose that clearly lies
+/// otherwise is left alone: a few parts lean on others or on the wall.
 void fuseWithCommonLie(const CommonLie& lie,
                        const std::vector<std::shared_ptr<const PartModel>>& parts,
                        std::vector<RefinedPose>* poses);

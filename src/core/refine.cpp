@@ -185,7 +185,7 @@ std::vector<RefinedPose> refineCandidates(
   refiner.forAll(&poses, [&](auto* p) { refiner.alignNarrow(p); });
   std::vector<RefinedPose> out;
   for (const auto& p : poses) out.push_back(refiner.finish(p));
-  if (const auto lie = commonLie(out)) fuseWithCommonLie(*lie, parts, &out);
+  if (const auto lie = commonLie(out, parts)) fuseWithCommonLie(*lie, parts, &out);
   return out;
 }
 
