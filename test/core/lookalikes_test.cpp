@@ -68,7 +68,10 @@ TEST(Lookalikes, ItsOtherFaceIsTheSameWhereTheKeywayIsInTheMiddle) {
 
 TEST(Lookalikes, ARingIsAlikeAtEveryTurnButForItsHoles) {
   const sim::Plate ring = {
-      circle(0, 0, 40), {circle(0, 0, 26), circle(33, 0, 2.5), circle(-33, 0, 2.5)}, {}, 0.0};
+      circle(0, 0, 40),
+      {circle(0, 0, 26, true), circle(33, 0, 2.5, true), circle(-33, 0, 2.5, true)},
+      {},
+      0.0};
   const auto part = makePart("ring", ring);
   ASSERT_EQ(part->symmetry().order, 2);
   std::vector<bool> alike(180, false);  // of a ring with two holes a half turn is an exact symmetry

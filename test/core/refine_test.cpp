@@ -62,6 +62,41 @@ TEST(Refine, TheCovarianceHoldsTheError) {
   EXPECT_GT(sum / count, 0.02);
 }
 
+/// A disk with three holes, cut `inset_mm` into the material all around, as a bevel shows it.
+sim::Plate bevelledDisk(double inset_mm) {
+  sim::Plate plate;
+  plate.outer = circle(0, 0, 24 - inset_mm);
+  plate.holes = {circle(12, 0, 5 + inset_mm, true), circle(-9, 10, 3 + inset_mm, true),
+                 circle(-5, -13, 4 + inset_mm, true)};
+  return plate;
+}
+
+TEST(Refine, EachCopyKeepsTheInsetOfItsOwnEdges) {
+  const Parts parts = {makePart("disk", bevelledDisk(0.0))};
+  sim::Scene scene;
+  std::vector<double> insets_mm;
+  std::vector<Candidate> candidates;
+  for (int i = 0; i < 6; ++i) {
+    insets_mm.push_back(i % 2 == 0 ? 0.0 : 0.3);
+    scene.plates.push_back(sceneOf(bevelledDisk(insets_mm.back()),
+                                   {60.0 * (i % 3) - 60, 60.0 * (i / 3) - 30, 600, 50.0 * i})
+                               .plates[0]);
+    candidates.push_back(candidateNear(scene.plates.back().T_camera_part));
+  }
+  const auto poses = refined(shoot(scene), parts, candidates);
+  ASSERT_EQ(poses.size(), 6u);
+  for (const auto& pose : poses) {
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Vector3d truth = scene.plates[i].T_camera_part.translation();
+      const Eigen::Vector3d found = pose.T_camera_part.translation();
+      if ((found - truth).head<2>().norm() > 0.01) continue;
+      // Taken for distance, 0.3 mm of 24 would be 7.5 mm.
+      EXPECT_NEAR(found.z(), truth.z(), 2e-3) << i;
+      EXPECT_NEAR(1e3 * pose.inset, insets_mm[i], 0.12) << i;
+    }
+  }
+}
+
 TEST(Refine, OfManyStartsOnePoseIsLeft) {
   const Parts parts = {makePart("bracket", bracketPlate())};
   const sim::Lie lie{30, -20, 610, 40, 8};
