@@ -19,7 +19,7 @@
 namespace planar_bin_picking {
 
 struct ScoreParams {
-  double threshold = 0.65;         ///< detections below are not returned
+  double threshold = 0.65;        ///< detections below are not returned
   double reach_px = 1.5;          ///< an edge this far off the outline no longer supports it
   int points = 256;               ///< along each of outer contour, holes, print
   double visible_reach_px = 3.0;  ///< the same, for what counts as seen
