@@ -4,21 +4,16 @@
 
 #include "outline_view.h"
 #include "planar_bin_picking/se3.h"
+#include "scatter.h"
 
 #include <Eigen/Cholesky>
 
-#include <algorithm>
 #include <cmath>
 
 namespace planar_bin_picking {
 namespace {
 
 constexpr double kRadians = EIGEN_PI / 180.0;
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
 
 /// A pose's visible face: its centre frame, and a normal along that frame's axes.
 struct Lying {
@@ -47,12 +42,6 @@ double heightVariance(const RefinedPose& pose, const Eigen::Vector3d& normal_cen
   return normal_centre.dot(pose.covariance.topLeftCorner<3, 3>() * normal_centre);
 }
 
-/// Standard deviation of the true values, from what the measured ones scatter beyond their errors.
-double spreadOf(const std::vector<double>& squares, double to_variance,
-                const std::vector<double>& variances, double least) {
-  return std::sqrt(std::max(least * least, to_variance * median(squares) - median(variances)));
-}
-
 /// Variance among the others that are like this one, by how far it is off: a few lie anyhow.
 double varianceAt(double off2, int dimensions, double measured, double spread, double anyhow) {
   constexpr double kShareAnyhow = 0.1;
@@ -70,7 +59,6 @@ std::optional<CommonLie> commonLie(const std::vector<RefinedPose>& poses,
                                    const std::vector<std::shared_ptr<const PartModel>>& parts) {
   constexpr std::size_t kFew = 6;
   constexpr double kLeastTilt = 0.2 * kRadians, kLeastHeight = 0.2e-3;
-  constexpr double kOfOne = 2.198, kOfTwo = 0.721;  // variance / median of one, two squares' sum
   if (poses.size() < kFew) return std::nullopt;
   std::vector<Lying> lying;
   for (const auto& p : poses) lying.emplace_back(p, *parts[p.part]);
@@ -97,8 +85,9 @@ std::optional<CommonLie> commonLie(const std::vector<RefinedPose>& poses,
     rises.push_back(std::pow(heights[i] - lie.height, 2));
     height_variances.push_back(heightVariance(poses[i], lying[i].inCentre(lie.normal_camera)));
   }
-  lie.tilt_spread = spreadOf(tilts, kOfTwo, tilt_variances, kLeastTilt);
-  lie.height_spread = spreadOf(rises, kOfOne, height_variances, kLeastHeight);
+  lie.tilt_spread = std::sqrt(scatterBeyond(tilts, kVarianceOfTwo, tilt_variances, kLeastTilt));
+  lie.height_spread =
+      std::sqrt(scatterBeyond(rises, kVarianceOfOne, height_variances, kLeastHeight));
   // Light, bevel and focal length move the edges of all parts alike, so the errors of tilts average
   // out but those of heights do only in part.
   constexpr double kAlike = 0.5;

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Last part of stage 3: what the poses of a picture tell about one another.
+/// Between refinement and score, where no plane is known (plane_prior.h): what the poses of a
+/// picture tell about one another.
 
 #include "planar_bin_picking/part_model.h"
 #include "planar_bin_picking/types.h"

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hand_eye_check.h"
 
+#include "scatter.h"
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -39,12 +41,6 @@ void findStale(const std::vector<Usable>& views, Findings* findings) {
       break;
     }
   }
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 /// Whether the poses fit if each is taken for the picture before or after its own.

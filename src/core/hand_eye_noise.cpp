@@ -4,6 +4,7 @@
 
 #include "hand_eye_misfit.h"
 #include "hand_eye_normal.h"
+#include "scatter.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +14,6 @@ namespace {
 
 /// Beyond so many standard deviations a corner's pull no longer grows (Huber).
 constexpr double kHuber = 2.5;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Pixel noise from the median distance, and each corner's weight.
 void weighCorners(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,

@@ -5,6 +5,7 @@
 // pairs.
 
 #include "hand_eye_start.h"
+#include "scatter.h"
 
 #include <opencv2/calib3d.hpp>
 
@@ -60,13 +61,6 @@ Eigen::Matrix3d turnOf(std::size_t k, std::size_t count) {
   const double angle =
       2.0 * 3.14159265358979323846 * static_cast<double>(k) / static_cast<double>(count);
   return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double angleError(const Motion& a, const Motion& b, const Eigen::Matrix3d& turn) {

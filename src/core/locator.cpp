@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/locator.h"
 
+#include "common_lie.h"
+
 #include <chrono>
 #include <cstdlib>
 #include <stdexcept>
@@ -99,9 +101,13 @@ LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
 
   auto refined =
       refineCandidates(edges, camera, request.parts, candidates, params_.refine, threads);
+  if (!plane) {
+    const auto lie = commonLie(refined, request.parts);
+    if (lie) fuseWithCommonLie(*lie, request.parts, &refined);
+  }
   clock.finish("refine", refined.size());
 
-  if (plane) {
+  if (plane) {  // known, it says more than the parts do of one another
     refined = fuseWithPlane(refined, request.parts, *plane, params_.plane);
     clock.finish("plane", refined.size());
   }

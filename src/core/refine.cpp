@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/refine.h"
 
-#include "common_lie.h"
 #include "evidence.h"
 #include "refine_field.h"
 #include "refiner.h"
@@ -185,7 +184,6 @@ std::vector<RefinedPose> refineCandidates(
   refiner.forAll(&poses, [&](auto* p) { refiner.alignNarrow(p); });
   std::vector<RefinedPose> out;
   for (const auto& p : poses) out.push_back(refiner.finish(p));
-  if (const auto lie = commonLie(out, parts)) fuseWithCommonLie(*lie, parts, &out);
   return out;
 }
 

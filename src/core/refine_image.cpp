@@ -4,6 +4,7 @@
 
 #include "posed_point.h"
 #include "profile.h"
+#include "scatter.h"
 #include "simd.h"
 
 #include <Eigen/Cholesky>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace planar_bin_picking {
 namespace {
@@ -243,9 +245,7 @@ double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tuk
     const double r = std::abs(row.J.dot(xi) - row.offset);
     if (r < tukey_px) absolute.push_back(r);
   }
-  if (absolute.empty()) return tukey_px;
-  std::nth_element(absolute.begin(), absolute.begin() + absolute.size() / 2, absolute.end());
-  return 1.4826 * absolute[absolute.size() / 2];
+  return absolute.empty() ? tukey_px : 1.4826 * median(std::move(absolute));
 }
 
 }  // namespace

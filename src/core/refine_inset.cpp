@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "refiner.h"
+#include "scatter.h"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -13,11 +13,6 @@ namespace {
 struct Inset {
   double value, variance;
 };
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
 
 /// Variance of the true insets: what the measured ones scatter beyond their errors.
 double spreadOf(const std::vector<Inset>& measured) {
@@ -31,8 +26,7 @@ double spreadOf(const std::vector<Inset>& measured) {
     squares.push_back((m.value - middle) * (m.value - middle));
     variances.push_back(m.variance);
   }
-  constexpr double kToVariance = 2.198;  // of a Gaussian's median square
-  return std::max(kLeast * kLeast, kToVariance * median(squares) - median(variances));
+  return scatterBeyond(squares, kVarianceOfOne, variances, kLeast);
 }
 
 }  // namespace

@@ -89,9 +89,8 @@ class Refiner {
   /// How far the edges are seen inside the drawn outline: a bevelled, rounded or sheared cut shifts
   /// the edges of a copy all around, those of the two faces by different amounts, and the light
   /// that a copy gets decides how far. One mean per part and face, from all well supported poses,
-  /// unknown
-  /// +- 0.15 mm beforehand, and the spread of the copies about it; from then on the outline is
-  /// taken to lie at the mean.
+  /// unknown to 0.15 mm beforehand, and the spread of the copies about it; from then on the outline
+  /// is taken to lie at the mean.
   void estimateInsets(const std::vector<Tracked>& poses);
 
   RefinedPose finish(const Tracked& pose) const;

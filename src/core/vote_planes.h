@@ -7,6 +7,7 @@
 
 #include "planar_bin_picking/edge_map.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -43,7 +44,9 @@ inline constexpr int kMaxPoints = 85;  // whose votes fit into a byte
 /// What the votes of a position must exceed to be the best of its tile, over a row of positions.
 class Bars {
  public:
-  Bars(int columns, int floor) : best_(columns), first_(columns) { raise(0, columns, floor - 1); }
+  Bars(int columns, int floor) : best_(columns), first_(columns) {
+    raise(0, columns, std::max(0, floor - 1));
+  }
   void raise(int column, int count, int votes);
   std::uint8_t best(int column) const { return best_[column]; }
 

@@ -86,6 +86,16 @@ TEST(Hough, VotesDescendWithinTheirLimits) {
   }
 }
 
+TEST(Hough, WithoutALeastShareEveryTileHasItsBest) {
+  const auto part = makePart("bracket", bracketPlate());
+  const sim::Lie lie{30, -20, 600, 200};
+  HoughParams params;
+  params.votes_min = 0.0;
+  const auto candidates = candidatesOf(edgesOf(sceneOf(bracketPlate(), lie)), *part, params);
+  ASSERT_GE(candidates.size(), static_cast<std::size_t>(params.max_candidates) - 2);
+  EXPECT_LT(nearest({candidates[0]}, *part, sim::poseOf(lie)), kWithin);
+}
+
 TEST(Hough, OnlyWithinTheDistances) {
   const auto part = makePart("bracket", bracketPlate());
   const sim::Lie lie{30, -20, 600, 200};
