@@ -25,6 +25,8 @@ struct Loop {
   std::vector<Eigen::Vector2d> points;
 };
 
+double lengthOf(const Loop& loop);  ///< metres
+
 /// The contours of one flat part: exactly one outer loop, then holes, then prints.
 struct Drawing {
   std::vector<Loop> loops;

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// A picture of the result for people: outlines of the located parts, their ranks and axes.
+/// A picture of the result for people: outlines of the located parts, their ranks and
+/// axes, and dots where something covers them.
 
 #include "planar_bin_picking/camera.h"
 #include "planar_bin_picking/part_model.h"

@@ -5,6 +5,7 @@
 /// A part prepared for the stages: outline samples, symmetry and everything else that depends on
 /// the drawing alone. Made once per part, immutable, shared.
 
+#include "planar_bin_picking/face_grid.h"
 #include "planar_bin_picking/part_file.h"
 #include "planar_bin_picking/pick_poses.h"
 #include "planar_bin_picking/symmetry.h"
@@ -51,6 +52,7 @@ class PartModel {
   bool hasPrint() const { return has_print_; }
   /// Evenly spaced along all loops, loop by loop, in order; prints at the end.
   const std::vector<OutlinePoint>& outline() const { return outline_; }
+  const FaceGrid& faceGrid() const { return face_grid_; }
   const std::vector<Lookalike>& lookalikes() const { return lookalikes_; }
   /// Order of the rotations after which the shape is all but the same (a sprocket's teeth): voting
   /// need not tell these apart. 0 = full circle; at least symmetry().order.
@@ -66,6 +68,7 @@ class PartModel {
   bool has_print_ = false;
   std::vector<PickPose> pick_poses_;
   std::vector<OutlinePoint> outline_;
+  FaceGrid face_grid_;
   std::vector<Lookalike> lookalikes_;
   int near_order_ = 1;
 };

@@ -24,7 +24,8 @@ struct PickParams {
   double score_min = 0.0;      ///< parts below are refused, over and above the score's threshold
   double visible_min = 0.0;    ///< share of the visible face
   double tilt_max_deg = 90.0;  ///< of the face against the bin's floor, or against the image plane
-  /// Of the tool, where the part's file names no other: metres; 0 = walls are not looked at.
+  /// Of the tool, where the part's file names no other: metres; 0 = neither walls nor what covers
+  /// the part are looked at.
   double tool_radius = 0.0;
   double tool_height = 0.0;     ///< metres over the contact that are so wide; 0 = no end
   double wall_clearance = 0.0;  ///< metres between tool and wall on top of it
@@ -52,7 +53,7 @@ struct PickParams {
 
 enum class PickRefusal {
   kLowScore,      ///< score below score_min
-  kOccluded,      ///< visible share below visible_min
+  kOccluded,      ///< visible share below visible_min, or no pick pose that nothing covers
   kTilt,          ///< steeper than tilt_max_deg
   kWall,          ///< at each of its pick poses the tool would touch the bin's wall
   kFailedBefore,  ///< failures_max picks failed, and nothing has changed about it since
@@ -71,6 +72,8 @@ struct PickFace {
   double up = 1.0;                       ///< the way out of the part there: 1 or -1 along its z
   double thickness = 0.0;                ///< metres; 0 = not known
   std::vector<Eigen::Vector2d> contour;  ///< part frame; empty = not known
+  std::vector<Eigen::Vector2d> covered;  ///< middles of the cells that something covers
+  double cell_size = 0.0;                ///< metres
 };
 
 /// What the policy has to know about one detection.
@@ -95,7 +98,8 @@ struct Refused {
 struct PickPlan {
   struct Offer {
     std::size_t candidate = 0;
-    /// Of its pick poses, those that the tool can reach: those that nothing lies over come first.
+    /// Of its pick poses, those that the tool can reach and that are seen to be free: those that no
+    /// located part lies over come first.
     std::vector<std::size_t> picks;
     int failures = 0;
     bool is_free = true;  ///< no other candidate lies on it, and not over all of its picks
@@ -133,6 +137,11 @@ class PickPolicy {
   Failure* find(const PickCandidate& candidate);
   /// How often picks failed there in the scene as it is; forgets them where it has changed.
   int recall(const PickCandidate& candidate);
+  /// Leaves out picks at which the tool would touch the bin's wall or what covers the part.
+  /// @return  why none is left, if so
+  std::optional<Refused> dropBarred(const PickCandidate& candidate,
+                                    const std::optional<PickBin>& bin,
+                                    PickPlan::Offer* offer) const;
   /// Puts picks that another candidate lies over last, and says whether the offer is free.
   void lookAtNeighbours(const std::vector<PickCandidate>& candidates, PickPlan::Offer* offer) const;
   std::optional<Refused> refusal(const PickCandidate& candidate,

@@ -3,7 +3,7 @@
 #pragma once
 
 /// Stage 4: RefinedPose -> ScoredPose: what speaks for a pose, and how much of the part is
-/// uncovered.
+/// uncovered (src/core/cover.h).
 ///
 /// The score is the mean support (Eq. 12 of [1], noise excluded, less with distance) of outer
 /// contour, holes and print, each counting the same. Differs from [1] Sec. III-D, which averages
@@ -22,9 +22,7 @@ struct ScoreParams {
   double threshold = 0.65;        ///< detections below are not returned
   double reach_px = 1.5;          ///< an edge this far off the outline no longer supports it
   int points = 256;               ///< along each of outer contour, holes, print
-  double visible_reach_px = 3.0;  ///< the same, for what counts as seen
-  double gap_min = 0.06;          ///< share of the contour that may be faint without being covered
-  double gap_share = 0.5;         ///< of the points of such a stretch that must be seen
+  double visible_reach_px = 2.5;  ///< the same, for what counts as seen
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -32,8 +30,6 @@ struct ScoreParams {
     visit("reach_px", self.reach_px, 0.2, 10.0);
     visit("points", self.points, 32, 2048);
     visit("visible_reach_px", self.visible_reach_px, 0.2, 10.0);
-    visit("gap_min", self.gap_min, 0.0, 0.5);
-    visit("gap_share", self.gap_share, 0.0, 1.0);
   }
 };
 

@@ -65,6 +65,7 @@ struct RefinedPose {
 struct ScoredPose : RefinedPose {
   double score = 0.0;             ///< 0..1, see score.h
   double visible_fraction = 0.0;  ///< share of the visible face's area that nothing covers, 0..1
+  std::vector<int> covered;       ///< the cells of PartModel::faceGrid() that something covers
 };
 
 /// One located part, as the robot program gets it.

@@ -259,6 +259,15 @@ Drawing assemble(const DxfFile& file, const DrawingParams& params) {
 
 }  // namespace
 
+double lengthOf(const Loop& loop) {
+  double length = 0.0;
+  const std::size_t n = loop.points.size();
+  for (std::size_t i = 0; i + (loop.closed ? 0 : 1) < n; ++i) {
+    length += (loop.points[(i + 1) % n] - loop.points[i]).norm();
+  }
+  return length;
+}
+
 Drawing loadDrawing(const std::string& path, const DrawingParams& params) {
   try {
     return assemble(readDxf(path), params);

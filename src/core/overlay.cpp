@@ -14,6 +14,7 @@ namespace planar_bin_picking {
 namespace {
 
 const cv::Scalar kFrontColor(80, 220, 60), kBackColor(30, 140, 255);  // BGR: green, orange
+const cv::Scalar kCoverColor(60, 60, 230);                            // red
 const cv::Scalar kDark(0, 0, 0), kLight(255, 255, 255);
 constexpr int kShift = 4;  ///< binary digits behind the point in OpenCV's drawing coordinates
 
@@ -93,6 +94,11 @@ class Pen {
     cv::polylines(*canvas_, stretches, false, color, width, cv::LINE_AA, kShift);
   }
 
+  void dot(const Eigen::Vector3d& p_camera, const cv::Scalar& color) {
+    if (const auto p = pixel(p_camera))
+      cv::circle(*canvas_, *p, unit_ << kShift, color, cv::FILLED, cv::LINE_AA, kShift);
+  }
+
   /// Text centred on a pixel, readable on any ground.
   void label(const std::string& text, const cv::Point& center, const cv::Scalar& color) {
     const double scale = 0.8 * unit_;
@@ -133,6 +139,12 @@ void drawOutline(Pen* pen, const PartModel& part, const Detection& detection) {
   }
 }
 
+/// A dot on each cell that something covers.
+void drawCover(Pen* pen, const PartModel& part, const Detection& detection) {
+  for (const int cell : detection.covered)
+    pen->dot(onFace(part, detection, part.faceGrid().cells().at(cell)), kCoverColor);
+}
+
 /// The part frame's axes at the drawing's origin: x red, y green, z blue.
 void drawAxes(Pen* pen, const PartModel& part, const Detection& detection) {
   const cv::Scalar colors[] = {{40, 40, 255}, {40, 200, 40}, {255, 100, 40}};
@@ -155,6 +167,7 @@ cv::Mat drawOverlay(const cv::Mat& image, const Camera& camera,
   for (std::size_t rank = detections.size(); rank-- > 0;) {
     const Detection& detection = detections[rank];
     const PartModel& part = *parts.at(detection.part);
+    drawCover(&pen, part, detection);
     drawOutline(&pen, part, detection);
     drawAxes(&pen, part, detection);
   }

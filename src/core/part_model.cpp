@@ -15,15 +15,6 @@ constexpr double kSamples =
     512.0;  // along the whole outline: a sample every 1 to 2 mm ([1] Sec. II-B)
 constexpr int kMinSamplesPerLoop = 12;
 
-double lengthOf(const Loop& loop) {
-  double length = 0.0;
-  const std::size_t n = loop.points.size();
-  for (std::size_t i = 0; i + (loop.closed ? 0 : 1) < n; ++i) {
-    length += (loop.points[(i + 1) % n] - loop.points[i]).norm();
-  }
-  return length;
-}
-
 /// Samples at the middle of `count` equal pieces of the loop.
 void sampleLoop(const Loop& loop, int index, double spacing, std::vector<OutlinePoint>* out) {
   const double length = lengthOf(loop);
@@ -43,17 +34,22 @@ void sampleLoop(const Loop& loop, int index, double spacing, std::vector<Outline
   }
 }
 
+PartFile checked(PartFile file) {
+  const auto& loops = file.drawing.loops;
+  if (loops.empty() || loops.front().kind != LoopKind::kOuter) {
+    throw std::invalid_argument("part " + file.name + ": the outline has no outer contour");
+  }
+  if (!(file.thickness >= 0.0)) {
+    throw std::invalid_argument("part " + file.name + ": thickness " +
+                                std::to_string(file.thickness) + " m; it must be 0 or more");
+  }
+  return file;
+}
+
 }  // namespace
 
-PartModel::PartModel(PartFile file) : file_(std::move(file)) {
+PartModel::PartModel(PartFile file) : file_(checked(std::move(file))), face_grid_(file_.drawing) {
   const auto& loops = file_.drawing.loops;
-  if (loops.empty() || loops.front().kind != LoopKind::kOuter) {
-    throw std::invalid_argument("part " + file_.name + ": the outline has no outer contour");
-  }
-  if (!(file_.thickness >= 0.0)) {
-    throw std::invalid_argument("part " + file_.name + ": thickness " +
-                                std::to_string(file_.thickness) + " m; it must be 0 or more");
-  }
   symmetry_ = findSymmetry(file_.drawing);
   pick_poses_ = withSymmetricCopies(file_.pick_poses, symmetry_, file_.thickness);
   Eigen::AlignedBox2d box;

@@ -52,4 +52,11 @@ bool isOver(const PickFace& upper, const PickFace& lower, const Eigen::Isometry3
   return x.z() < -higherBy(upper) && isWithin(upper.contour, x.head<2>(), radius);
 }
 
+bool isCovered(const PickFace& face, const Eigen::Isometry3d& T_target_pick, double radius) {
+  const Eigen::Vector2d pick = inFace(face, T_target_pick.translation()).head<2>();
+  const double reach = radius + 0.5 * face.cell_size;
+  return std::any_of(face.covered.begin(), face.covered.end(),
+                     [&](const Eigen::Vector2d& cell) { return (cell - pick).norm() <= reach; });
+}
+
 }  // namespace planar_bin_picking

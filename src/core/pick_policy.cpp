@@ -86,6 +86,29 @@ int PickPolicy::recall(const PickCandidate& candidate) {
   return 0;
 }
 
+std::optional<Refused> PickPolicy::dropBarred(const PickCandidate& candidate,
+                                              const std::optional<PickBin>& bin,
+                                              PickPlan::Offer* offer) const {
+  const PickTool tool = toolOf(candidate);
+  const double radius = *tool.radius, room = radius + params_.wall_clearance;
+  const auto& picks = candidate.T_target_pick;
+  std::size_t covered = 0;
+  for (std::size_t k = 0; k < picks.size(); ++k) {
+    if (radius > 0.0 && bin && !toolIsFree(picks[k], *bin, room, *tool.height)) continue;
+    if (radius > 0.0 && isCovered(candidate.face, picks[k], radius)) {
+      ++covered;
+    } else {
+      offer->picks.push_back(k);
+    }
+  }
+  if (!offer->picks.empty() || picks.empty()) return std::nullopt;
+  return covered > 0
+             ? Refused{offer->candidate, PickRefusal::kOccluded,
+                       format("something lies where a tool of radius %.3f m would go", radius)}
+             : Refused{offer->candidate, PickRefusal::kWall,
+                       format("a tool of radius %.3f m would touch the bin's wall", radius)};
+}
+
 void PickPolicy::lookAtNeighbours(const std::vector<PickCandidate>& candidates,
                                   PickPlan::Offer* offer) const {
   const PickCandidate& lower = candidates[offer->candidate];
@@ -123,10 +146,6 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
     return refuse(PickRefusal::kTilt, format("tilted by %.1f degrees, at most %.1f",
                                              candidate.tilt_deg, params_.tilt_max_deg));
   }
-  if (offer.picks.empty() && !candidate.T_target_pick.empty()) {
-    return refuse(PickRefusal::kWall, format("a tool of radius %.3f m would touch the bin's wall",
-                                             *toolOf(candidate).radius));
-  }
   if (offer.failures >= params_.failures_max) {
     return refuse(PickRefusal::kFailedBefore,
                   format("%d picks failed here, and the scene is as it was", offer.failures));
@@ -138,16 +157,12 @@ PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
                           const std::optional<PickBin>& bin) {
   PickPlan plan;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const auto& picks = candidates[i].T_target_pick;
-    const PickTool tool = toolOf(candidates[i]);
-    const bool looks_at_walls = bin && *tool.radius > 0.0;
-    const double room = *tool.radius + params_.wall_clearance;
     PickPlan::Offer offer{i, {}, recall(candidates[i])};
-    for (std::size_t k = 0; k < picks.size(); ++k)
-      if (!looks_at_walls || toolIsFree(picks[k], *bin, room, *tool.height))
-        offer.picks.push_back(k);
+    const auto barred = dropBarred(candidates[i], bin, &offer);
     lookAtNeighbours(candidates, &offer);
-    if (const auto refused = refusal(candidates[i], offer)) {
+    auto refused = refusal(candidates[i], offer);
+    if (!refused) refused = barred;
+    if (refused) {
       plan.refused.push_back(*refused);
     } else {
       plan.offers.push_back(std::move(offer));

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/score.h"
 
+#include "cover.h"
 #include "evidence.h"
 #include "outline_view.h"
 #include "parallel.h"
 #include "print_evidence.h"
 
 #include <array>
-#include <cmath>
 
 namespace planar_bin_picking {
 namespace {
@@ -18,6 +18,7 @@ constexpr ImageReach kReach{3, true, 0.8};
 /// The outline's points by kind, in order along the loops.
 struct Groups {
   std::array<std::vector<LocalPoint>, 3> points;  // by LoopKind
+  std::array<double, 3> length{};                 // metres
 };
 
 Groups groupsOf(const PartModel& part, int count) {
@@ -26,25 +27,21 @@ Groups groupsOf(const PartModel& part, int count) {
     out.points[static_cast<int>(kind)] =
         localPoints(part, count, [kind](const OutlinePoint& p) { return p.kind == kind; });
   }
+  for (const Loop& loop : part.file().drawing.loops)
+    out.length[static_cast<int>(loop.kind)] += lengthOf(loop);
   return out;
 }
 
-/// Share of the outer contour that is seen, faint stretches bridged: an estimate of the share of
-/// the face that nothing covers. (Cutting off what lies beyond the chord of each gap, the obvious
-/// alternative, is further from the truth: most covers lie across a part, not over a corner of it.)
-double visibleFraction(const std::vector<EdgeHit>& hits, const ScoreParams& params) {
-  const int n = static_cast<int>(hits.size());
-  const int half = std::max(1, static_cast<int>(std::lround(0.5 * params.gap_min * n)));
-  const auto borne = [&](int i) {
-    return supportOf(hits[(i + n) % n], params.visible_reach_px) > 0.3 ? 1 : 0;
-  };
-  int window = 0, seen = 0;
-  for (int i = -half; i <= half; ++i) window += borne(i);
-  for (int i = 0; i < n; ++i) {
-    seen += window > params.gap_share * (2 * half + 1) ? 1 : 0;
-    window += borne(i + half + 1) - borne(i - half);
+/// The pieces of the outline that the points stand for.
+void addPieces(const PartModel& part, const std::vector<LocalPoint>& points, double length,
+               const std::vector<EdgeHit>& hits, double reach_px,
+               std::vector<OutlinePiece>* pieces) {
+  constexpr double kBorneOut = 0.4;  // texture, noise and foreign edges give less, mostly
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const OutlinePoint& p = part.outline()[points[i].index];
+    pieces->push_back({p.position, p.normal, length / static_cast<double>(points.size()),
+                       supportOf(hits[i], reach_px) > kBorneOut});
   }
-  return static_cast<double>(seen) / n;
 }
 
 }  // namespace
@@ -63,6 +60,7 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
     const Eigen::Isometry3d T = r.T_camera_part * centreOf(part, r.face);
     double sum = 0.0;
     int count = 0;
+    std::vector<OutlinePiece> pieces;
     for (const auto kind : {LoopKind::kOuter, LoopKind::kHole, LoopKind::kPrint}) {
       auto points = groups[r.part].points[static_cast<int>(kind)];
       if (points.empty() || (kind == LoopKind::kPrint && r.face == Face::kBack)) continue;
@@ -75,9 +73,14 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
       std::vector<EdgeHit> hits;
       findHits(edges, camera, points, solidOf(part, r.face), T, kReach, &hits);
       sum += meanSupport(hits, params.reach_px);
-      if (kind == LoopKind::kOuter) out[i].visible_fraction = visibleFraction(hits, params);
+      addPieces(part, points, groups[r.part].length[static_cast<int>(kind)], hits,
+                params.visible_reach_px, &pieces);
     }
     out[i].score = sum / count;
+    const FaceGrid& grid = part.faceGrid();
+    out[i].covered = findCover(grid, edges, camera, r.T_camera_part, part.faceZ(r.face), pieces);
+    out[i].visible_fraction =
+        1.0 - static_cast<double>(out[i].covered.size()) / static_cast<double>(grid.cells().size());
   });
   return out;
 }

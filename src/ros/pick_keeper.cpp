@@ -28,6 +28,8 @@ planar_bin_picking::PickFace faceOf(const PartModel& part, const Detection& dete
   face.thickness = part.thickness();
   for (const auto& point : part.outline())
     if (point.kind == planar_bin_picking::LoopKind::kOuter) face.contour.push_back(point.position);
+  for (const int cell : detection.covered) face.covered.push_back(part.faceGrid().cells()[cell]);
+  face.cell_size = part.faceGrid().cellSize();
   return face;
 }
 

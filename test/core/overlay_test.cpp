@@ -93,6 +93,14 @@ TEST_F(OverlayTest, FacesDifferInColourAndPrint) {
   EXPECT_GT(back.at<cv::Vec3b>(pixel)[2], back.at<cv::Vec3b>(pixel)[1]);  // orange
 }
 
+TEST_F(OverlayTest, DotsWhatIsCovered) {
+  const Eigen::Vector2d cell = parts_[0]->faceGrid().cells().at(100);
+  const Eigen::Vector3d middle(cell.x(), cell.y(), parts_[0]->faceZ(detection_.face));
+  EXPECT_LT(colorAt(drawOverlay(image_, *camera_, parts_, {detection_}), middle), 20);
+  detection_.covered = {100};
+  EXPECT_GT(colorAt(drawOverlay(image_, *camera_, parts_, {detection_}), middle), 100);
+}
+
 TEST_F(OverlayTest, StretchesSixteenBits) {
   cv::Mat dark(480, 640, CV_16U, cv::Scalar(10));
   dark(cv::Rect(0, 0, 320, 480)) = cv::Scalar(400);

@@ -88,6 +88,27 @@ TEST(PickPolicy, KeepsThePickPosesThatTheToolCanReach) {
   EXPECT_EQ(plan.offers[0].picks, Order({1}));
 }
 
+TEST(PickPolicy, LeavesOutPickPosesThatSomethingCovers) {
+  PickParams params;
+  params.tool_radius = 0.01;
+  PickPolicy policy(params);
+  PickCandidate candidate = candidateAt(0, 0);
+  candidate.T_target_pick = {downAt(0, 0, 0.01), downAt(0.05, 0, 0.01)};
+  candidate.face.T_target_part.translation() = Eigen::Vector3d(0.02, 0.0, 0.01);
+  candidate.face.cell_size = 0.002;
+  candidate.face.covered = {{-0.012, 0.003}};  // 8.5 mm beside the first pick
+  const auto plan = policy.plan({candidate}, std::nullopt);
+  ASSERT_EQ(plan.offers.size(), 1u);
+  EXPECT_EQ(plan.offers[0].picks, std::vector<std::size_t>({1}));
+  candidate.face.covered.emplace_back(0.03, 0.0);
+  const auto none = policy.plan({candidate}, binOf400x300());
+  ASSERT_EQ(none.refused.size(), 1u);
+  EXPECT_EQ(none.refused[0].reason, PickRefusal::kOccluded);
+  EXPECT_NE(none.refused[0].text.find("0.010 m"), std::string::npos) << none.refused[0].text;
+  params.tool_radius = 0.0;  // nothing is known about the tool
+  EXPECT_EQ(PickPolicy(params).plan({candidate}, std::nullopt).offers.size(), 1u);
+}
+
 TEST(PickPolicy, LooksAtTheWholeShaft) {
   PickParams params;
   params.tool_radius = 0.01;
