@@ -22,6 +22,8 @@ constexpr double kMargin = 0.0002;     // metres, of a shape: contacts are made 
 constexpr double kFastest = 0.45;      // m/s: in a step less than the thinnest part
 constexpr double kFriction = 0.45;
 constexpr double kSlack = 0.01;  // of its area, by which a shape's convex pieces may each be off
+// Metres from a shape's edge: chords, pieces and the missing bevel leave contacts there in doubt.
+constexpr double kRim = 5e-4;
 constexpr double kSmallHole = 5e-4;  // m^2: nothing gets through
 
 btVector3 toBullet(const Eigen::Vector3d& p) {
@@ -31,6 +33,7 @@ btVector3 toBullet(const Eigen::Vector3d& p) {
 
 /// A kind of part: its collision shape about its centre of mass.
 struct Kind {
+  Shape drawn;
   std::unique_ptr<btCompoundShape> shape;
   std::vector<std::unique_ptr<btConvexHullShape>> hulls;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< of mass, part frame
@@ -64,6 +67,7 @@ Moments momentsOf(const Shape& shape) {
 
 Kind makeKind(const Shape& shape, double density) {
   Kind kind;
+  kind.drawn = shape;
   const Moments m = momentsOf(shape);
   const Eigen::Vector2d c = m.first / m.area;
   kind.center = {c.x(), c.y(), -0.5 * shape.thickness};
@@ -90,6 +94,24 @@ Kind makeKind(const Shape& shape, double density) {
     kind.hulls.push_back(std::move(hull));
   }
   return kind;
+}
+
+bool isNear(const Polygon& ring, const Eigen::Vector2d& p, double distance) {
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Eigen::Vector2d a = ring[i], d = ring[(i + 1) % ring.size()] - a;
+    const double s = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-18), 0.0, 1.0);
+    if ((a + s * d - p).norm() < distance) return true;
+  }
+  return false;
+}
+
+/// Whether a point of the body, about its centre of mass, is at an edge of the face.
+bool isAtRim(const Kind& kind, const btVector3& local) {
+  const Eigen::Vector2d p = Eigen::Vector2d(local.x(), local.y()) / kUnits + kind.center.head<2>();
+  const auto& holes = kind.drawn.holes;
+  return isNear(kind.drawn.outer, p, kRim) ||
+         std::any_of(holes.begin(), holes.end(),
+                     [&](const Polygon& hole) { return isNear(hole, p, kRim); });
 }
 
 btTransform toBullet(const Eigen::Isometry3d& T) {
@@ -293,17 +315,38 @@ std::vector<Body> Heap::bodies() const {
 
 double Heap::load(int id) const {
   const btRigidBody& part = *state_->parts.at(id);
-  double impulse = 0.0;
+  struct Push {
+    double impulse = 0.0;
+    btVector3 moment = btVector3(0.0, 0.0, 0.0);
+  };
+  std::map<const btCollisionObject*, Push> pushes;  // by who pushes
   for (int i = 0; i < state_->dispatcher.getNumManifolds(); ++i) {
     const btPersistentManifold& m = *state_->dispatcher.getManifoldByIndexInternal(i);
     const bool is_first = m.getBody0() == &part, is_second = m.getBody1() == &part;
     if (!is_first && !is_second) continue;
+    Push& push = pushes[is_first ? m.getBody1() : m.getBody0()];
     for (int c = 0; c < m.getNumContacts(); ++c) {
       const btManifoldPoint& point = m.getContactPoint(c);
       // The normal points from the second body to the first: along it the first is pushed.
       const double up = point.m_normalWorldOnB.z() * (is_first ? 1.0 : -1.0);
-      if (up < 0.0) impulse += -up * point.getAppliedImpulse();
+      if (up >= 0.0) continue;
+      const double impulse = -up * point.getAppliedImpulse();
+      push.impulse += impulse;
+      push.moment += static_cast<btScalar>(impulse) *
+                     (is_first ? point.getPositionWorldOnA() : point.getPositionWorldOnB());
     }
+  }
+  const auto isAtRimOf = [&](const btCollisionObject& body, const btVector3& point_base) {
+    const auto kind = state_->kind_of.find(body.getUserIndex());
+    return kind != state_->kind_of.end() &&
+           isAtRim(state_->kinds[static_cast<std::size_t>(kind->second)],
+                   body.getWorldTransform().inverse() * point_base);
+  };
+  double impulse = 0.0;
+  for (const auto& [other, push] : pushes) {
+    if (push.impulse <= 0.0) continue;
+    const btVector3 middle = push.moment / static_cast<btScalar>(push.impulse);
+    if (!isAtRimOf(part, middle) || !isAtRimOf(*other, middle)) impulse += push.impulse;
   }
   return impulse / kStep * part.getInvMass() / (kUnits * kGravity);
 }

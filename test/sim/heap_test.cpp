@@ -42,6 +42,22 @@ TEST(Heap, KnowsWhatLiesOnAPart) {
   EXPECT_THROW(heap.remove(upper), std::out_of_range);
 }
 
+TEST(Heap, WhatLeansOnTheRimIsNoLoad) {
+  const auto loadUnderOverhang = [](double overlap) {
+    Heap heap(Bin{}, {plate(0.08, 0.06, 0.004)}, 1);
+    const int lower = heap.put(0, at(0.0, 0.0, 0.0041));
+    // One side on the lower plate, the other on the floor.
+    const double lean = 0.004 / 0.08;
+    Eigen::Isometry3d T = at(0.08 - overlap, 0.0, 0.0063);
+    T.linear() = Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    heap.put(0, T);
+    EXPECT_TRUE(heap.settle(4.0));
+    return heap.load(lower);
+  };
+  EXPECT_NEAR(loadUnderOverhang(0.010), 0.5, 0.15);
+  EXPECT_EQ(loadUnderOverhang(0.0002), 0.0);
+}
+
 TEST(Heap, SinksWhenItsLowestIsTakenOut) {
   Heap heap(Bin{}, {plate(0.08, 0.06, 0.004)}, 1);
   const int lower = heap.put(0, at(0.0, 0.0, 0.0045));
