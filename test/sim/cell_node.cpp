@@ -3,15 +3,14 @@
 
 /// The simulated cell as ROS nodes would show a real one:
 ///
-///   camera/image_raw, camera/camera_info   one picture for each call of camera/trigger
-///   camera/trigger (std_srvs/Trigger)      the camera's software trigger; answers once it is
-///   published camera/set_parameters                  dynamic_reconfigure's service: int
-///   `exposure`, microseconds move_robot (MoveRobot)                 moves the flange; /tf says
-///   where it is gripper/suction (std_srvs/SetBool)     success = the vacuum holds; false lets go
-///   cell/refill (std_srvs/Trigger)         empties the bin and pours anew, with the next seed
-///   truth (LocatedParts, latched)          what lies where, for the tester alone; `picks` has the
-///   poses
-///                                          that look the same
+/// - camera/image_raw, camera/camera_info: one picture for each call of camera/trigger
+/// - camera/trigger (std_srvs/Trigger): the camera's software trigger; answers once it is published
+/// - camera/set_parameters: dynamic_reconfigure's service; int `exposure`, microseconds
+/// - move_robot (MoveRobot): moves the flange; /tf says where it is
+/// - gripper/suction (std_srvs/SetBool): success = the vacuum holds; false lets go
+/// - cell/refill (std_srvs/Trigger): empties the bin and pours anew, with the next seed
+/// - truth (LocatedParts, latched): what lies where, for the tester alone; `picks` has the poses
+///   that look the same
 ///
 /// Frames: base -> flange -> tool, and base -> camera or flange -> camera.
 
