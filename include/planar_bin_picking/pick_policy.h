@@ -32,9 +32,6 @@ struct PickParams {
   int failures_max = 2;         ///< at one instance in an unchanged scene; then it is refused
   double same_place = 0.003;    ///< metres within which a detection is the instance that failed
   double changed_grey = 12.0;   ///< grey levels, mean over its surroundings, that are a change
-  /// Share of its merit that a part loses if another located part lies on it, or over each of its
-  /// pick poses; 0 = the rank stands, 1 = they are offered after all that are free.
-  double load_discount = 0.0;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -47,7 +44,6 @@ struct PickParams {
     visit("failures_max", self.failures_max, 1, 1000);
     visit("same_place", self.same_place, 0.0, 1.0);
     visit("changed_grey", self.changed_grey, 0.0, 255.0);
-    visit("load_discount", self.load_discount, 0.0, 1.0);
   }
 };
 
@@ -65,14 +61,10 @@ struct PickBin {
   Eigen::Vector3d min = Eigen::Vector3d::Zero(), max = Eigen::Vector3d::Zero();  ///< bin frame
 };
 
-/// The face of a part that is up.
+/// The face of a part that is up, and what is seen to cover it (src/core/cover.h).
 struct PickFace {
   Eigen::Isometry3d T_target_part = Eigen::Isometry3d::Identity();
-  double z = 0.0;                        ///< of the face, part frame
-  double up = 1.0;                       ///< the way out of the part there: 1 or -1 along its z
-  double thickness = 0.0;                ///< metres; 0 = not known
-  std::vector<Eigen::Vector2d> contour;  ///< part frame; empty = not known
-  std::vector<Eigen::Vector2d> covered;  ///< middles of the cells that something covers
+  std::vector<Eigen::Vector2d> covered;  ///< middles of the cells that something covers, part frame
   double cell_size = 0.0;                ///< metres
 };
 
@@ -98,14 +90,11 @@ struct Refused {
 struct PickPlan {
   struct Offer {
     std::size_t candidate = 0;
-    /// Of its pick poses, those that the tool can reach and that are seen to be free: those that no
-    /// located part lies over come first.
+    /// Of its pick poses, those at which the tool touches neither the bin's wall nor a cover.
     std::vector<std::size_t> picks;
     int failures = 0;
-    bool is_free = true;  ///< no other candidate lies on it, and not over all of its picks
   };
-  /// As given, but for what is not free (see PickParams::load_discount), and what failed before
-  /// comes last.
+  /// As given, but what failed before comes last.
   std::vector<Offer> offers;
   std::vector<Refused> refused;  ///< as given
 };
@@ -142,8 +131,6 @@ class PickPolicy {
   std::optional<Refused> dropBarred(const PickCandidate& candidate,
                                     const std::optional<PickBin>& bin,
                                     PickPlan::Offer* offer) const;
-  /// Puts picks that another candidate lies over last, and says whether the offer is free.
-  void lookAtNeighbours(const std::vector<PickCandidate>& candidates, PickPlan::Offer* offer) const;
   std::optional<Refused> refusal(const PickCandidate& candidate,
                                  const PickPlan::Offer& offer) const;
   /// The part's own, and what it does not say from the parameters.

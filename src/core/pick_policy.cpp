@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/pick_policy.h"
 
-#include "pick_neighbours.h"
-
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -50,6 +48,15 @@ bool toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBin& bin, doub
       return false;
   }
   return true;
+}
+
+/// Whether something covers the face where the tool goes, or within `radius` about it.
+bool isCovered(const PickFace& face, const Eigen::Isometry3d& T_target_pick, double radius) {
+  const Eigen::Vector3d pick = face.T_target_part.inverse() * T_target_pick.translation();
+  const double reach = radius + 0.5 * face.cell_size;
+  return std::any_of(face.covered.begin(), face.covered.end(), [&](const Eigen::Vector2d& cell) {
+    return (cell - pick.head<2>()).norm() <= reach;
+  });
 }
 
 }  // namespace
@@ -109,26 +116,6 @@ std::optional<Refused> PickPolicy::dropBarred(const PickCandidate& candidate,
                        format("a tool of radius %.3f m would touch the bin's wall", radius)};
 }
 
-void PickPolicy::lookAtNeighbours(const std::vector<PickCandidate>& candidates,
-                                  PickPlan::Offer* offer) const {
-  const PickCandidate& lower = candidates[offer->candidate];
-  const double radius = *toolOf(lower).radius;
-  const auto anyOther = [&](const auto& holds) {
-    return std::any_of(candidates.begin(), candidates.end(), [&](const PickCandidate& other) {
-      return &other != &lower && holds(other.face);
-    });
-  };
-  const auto covered =
-      std::stable_partition(offer->picks.begin(), offer->picks.end(), [&](const std::size_t pick) {
-        return !anyOther([&](const PickFace& upper) {
-          return isOver(upper, lower.face, lower.T_target_pick[pick], radius);
-        });
-      });
-  const bool has_pick = offer->picks.empty() || covered != offer->picks.begin();
-  offer->is_free =
-      has_pick && !anyOther([&](const PickFace& upper) { return liesOn(upper, lower.face); });
-}
-
 std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
                                            const PickPlan::Offer& offer) const {
   const auto refuse = [&](PickRefusal reason, const std::string& text) {
@@ -159,7 +146,6 @@ PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     PickPlan::Offer offer{i, {}, recall(candidates[i])};
     const auto barred = dropBarred(candidates[i], bin, &offer);
-    lookAtNeighbours(candidates, &offer);
     auto refused = refusal(candidates[i], offer);
     if (!refused) refused = barred;
     if (refused) {
@@ -168,16 +154,8 @@ PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
       plan.offers.push_back(std::move(offer));
     }
   }
-  const auto merit = [&](const PickPlan::Offer& offer) {
-    const PickCandidate& candidate = candidates[offer.candidate];
-    const double in_rank =  // as rank.h orders
-        candidate.score * candidate.visible_fraction * candidate.visible_fraction;
-    return offer.is_free ? in_rank : (1.0 - params_.load_discount) * in_rank;
-  };
-  std::stable_sort(plan.offers.begin(), plan.offers.end(), [&](const auto& a, const auto& b) {
-    if (a.failures != b.failures) return a.failures < b.failures;
-    return params_.load_discount > 0.0 && merit(a) > merit(b);
-  });
+  std::stable_sort(plan.offers.begin(), plan.offers.end(),
+                   [](const auto& a, const auto& b) { return a.failures < b.failures; });
   return plan;
 }
 

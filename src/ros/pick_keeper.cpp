@@ -23,11 +23,6 @@ planar_bin_picking::PickFace faceOf(const PartModel& part, const Detection& dete
                                     const Eigen::Isometry3d& T_target_camera) {
   planar_bin_picking::PickFace face;
   face.T_target_part = T_target_camera * detection.T_camera_part;
-  face.z = part.faceZ(detection.face);
-  face.up = detection.face == planar_bin_picking::Face::kFront ? 1.0 : -1.0;
-  face.thickness = part.thickness();
-  for (const auto& point : part.outline())
-    if (point.kind == planar_bin_picking::LoopKind::kOuter) face.contour.push_back(point.position);
   for (const int cell : detection.covered) face.covered.push_back(part.faceGrid().cells()[cell]);
   face.cell_size = part.faceGrid().cellSize();
   return face;
