@@ -105,13 +105,17 @@ bool isNear(const Polygon& ring, const Eigen::Vector2d& p, double distance) {
   return false;
 }
 
-/// Whether a point of the body, about its centre of mass, is at an edge of the face.
-bool isAtRim(const Kind& kind, const btVector3& local) {
+enum class Contact { kOnFace, kAtRim, kBesidePart };
+
+/// Where a point of the body, about its centre of mass, lies on the part as it is drawn.
+Contact contactOf(const Kind& kind, const btVector3& local) {
   const Eigen::Vector2d p = Eigen::Vector2d(local.x(), local.y()) / kUnits + kind.center.head<2>();
   const auto& holes = kind.drawn.holes;
-  return isNear(kind.drawn.outer, p, kRim) ||
-         std::any_of(holes.begin(), holes.end(),
-                     [&](const Polygon& hole) { return isNear(hole, p, kRim); });
+  if (isNear(kind.drawn.outer, p, kRim) ||
+      std::any_of(holes.begin(), holes.end(),
+                  [&](const Polygon& hole) { return isNear(hole, p, kRim); }))
+    return Contact::kAtRim;
+  return contains(kind.drawn, p) ? Contact::kOnFace : Contact::kBesidePart;
 }
 
 btTransform toBullet(const Eigen::Isometry3d& T) {
@@ -315,6 +319,12 @@ std::vector<Body> Heap::bodies() const {
 
 double Heap::load(int id) const {
   const btRigidBody& part = *state_->parts.at(id);
+  const auto contactWith = [&](const btCollisionObject& body, const btVector3& point_base) {
+    const auto kind = state_->kind_of.find(body.getUserIndex());
+    if (kind == state_->kind_of.end()) return Contact::kOnFace;  // the bin
+    return contactOf(state_->kinds[static_cast<std::size_t>(kind->second)],
+                     body.getWorldTransform().inverse() * point_base);
+  };
   struct Push {
     double impulse = 0.0;
     btVector3 moment = btVector3(0.0, 0.0, 0.0);
@@ -324,29 +334,30 @@ double Heap::load(int id) const {
     const btPersistentManifold& m = *state_->dispatcher.getManifoldByIndexInternal(i);
     const bool is_first = m.getBody0() == &part, is_second = m.getBody1() == &part;
     if (!is_first && !is_second) continue;
-    Push& push = pushes[is_first ? m.getBody1() : m.getBody0()];
+    const btCollisionObject& other = *(is_first ? m.getBody1() : m.getBody0());
+    Push& push = pushes[&other];
     for (int c = 0; c < m.getNumContacts(); ++c) {
       const btManifoldPoint& point = m.getContactPoint(c);
       // The normal points from the second body to the first: along it the first is pushed.
       const double up = point.m_normalWorldOnB.z() * (is_first ? 1.0 : -1.0);
       if (up >= 0.0) continue;
+      const btVector3& at = is_first ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
+      // The pieces of a collision shape bridge gaps, such as those between teeth.
+      if (contactWith(part, at) == Contact::kBesidePart ||
+          contactWith(other, at) == Contact::kBesidePart)
+        continue;
       const double impulse = -up * point.getAppliedImpulse();
       push.impulse += impulse;
-      push.moment += static_cast<btScalar>(impulse) *
-                     (is_first ? point.getPositionWorldOnA() : point.getPositionWorldOnB());
+      push.moment += static_cast<btScalar>(impulse) * at;
     }
   }
-  const auto isAtRimOf = [&](const btCollisionObject& body, const btVector3& point_base) {
-    const auto kind = state_->kind_of.find(body.getUserIndex());
-    return kind != state_->kind_of.end() &&
-           isAtRim(state_->kinds[static_cast<std::size_t>(kind->second)],
-                   body.getWorldTransform().inverse() * point_base);
-  };
   double impulse = 0.0;
   for (const auto& [other, push] : pushes) {
     if (push.impulse <= 0.0) continue;
     const btVector3 middle = push.moment / static_cast<btScalar>(push.impulse);
-    if (!isAtRimOf(part, middle) || !isAtRimOf(*other, middle)) impulse += push.impulse;
+    const bool rim_on_rim = contactWith(part, middle) == Contact::kAtRim &&
+                            contactWith(*other, middle) == Contact::kAtRim;
+    if (!rim_on_rim) impulse += push.impulse;
   }
   return impulse / kStep * part.getInvMass() / (kUnits * kGravity);
 }

@@ -58,6 +58,23 @@ TEST(Heap, WhatLeansOnTheRimIsNoLoad) {
   EXPECT_EQ(loadUnderOverhang(0.0002), 0.0);
 }
 
+TEST(Heap, WhatRestsOnABridgedNotchIsNoLoad) {
+  // A notch of less than a hundredth of the area is bridged by the collision shape's pieces.
+  Shape notched = plate(0.08, 0.06, 0.004);
+  notched.outer = {{-0.04, -0.03}, {0.04, -0.03},  {0.04, 0.03},   {0.002, 0.03},
+                   {0.002, 0.02},  {-0.002, 0.02}, {-0.002, 0.03}, {-0.04, 0.03}};
+  const auto loadUnderPin = [&](double y) {
+    Heap heap(Bin{}, {notched, plate(0.002, 0.006, 0.02)}, 1);
+    const int lower = heap.put(0, at(0.0, 0.0, 0.0041));
+    heap.put(1, at(0.0, y, 0.0243));
+    EXPECT_TRUE(heap.settle(4.0));
+    EXPECT_NEAR(heap.bodies().at(1).T_base_part.translation().z(), 0.024, 5e-4);
+    return heap.load(lower);
+  };
+  EXPECT_GT(loadUnderPin(0.0), 0.005);
+  EXPECT_EQ(loadUnderPin(0.025), 0.0);
+}
+
 TEST(Heap, SinksWhenItsLowestIsTakenOut) {
   Heap heap(Bin{}, {plate(0.08, 0.06, 0.004)}, 1);
   const int lower = heap.put(0, at(0.0, 0.0, 0.0045));
