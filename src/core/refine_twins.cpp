@@ -6,6 +6,7 @@
 #include "print_evidence.h"
 #include "refine_field.h"
 #include "refiner.h"
+#include "wall_evidence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -122,12 +123,22 @@ std::optional<Tracked> Refiner::tiltTwin(const Tracked& pose) const {
 }
 
 void Refiner::resolveTilt(Tracked* pose) const {
+  constexpr double kWall = 0.2;  // a wall's lower edge is often lost in a shadow
+  const auto wallOf = [&](const Tracked& p) {
+    const auto& outline = outlines_[p.part];
+    return wallSupport(edges_, camera_, outline.of(p.face).fine, solidOf(*outline.part, p.face),
+                       p.T_camera_part * centreOf(*outline.part, p.face));
+  };
   auto twin = tiltTwin(*pose);
   if (!twin) return;
   alignWide(&*twin);
   if (twin->support < pose->support - 0.1) return;
   alignNarrow(&*twin);
-  const double gain = twin->support - pose->support;
+  double gain = twin->support - pose->support;
+  if (std::abs(gain) < kTiltUnsure) {
+    const auto wall = wallOf(*pose), twin_wall = wallOf(*twin);
+    if (wall && twin_wall) gain += kWall * (*twin_wall - *wall);
+  }
   const bool apart =
       (twin->T_camera_part.linear().col(2) - pose->T_camera_part.linear().col(2)).norm() > 0.05;
   twin->T_camera_twin = pose->T_camera_part;
