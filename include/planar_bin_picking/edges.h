@@ -17,13 +17,18 @@
 namespace planar_bin_picking {
 
 struct EdgesParams {
-  double noise_factor = 4.0;       ///< an edgel's gradient is at least this many times its noise
+  double noise_factor = 4.0;  ///< an edgel's gradient is at least this many times its noise
+  /// An edgel weaker than this many times the mean gradient about it may be texture ...
+  double texture_factor = 2.0;
+  double texture_cost_px = 1.33;   ///< ... and counts as so many field pixels farther
   double megapixels = 1.3;         ///< edges are sought in the image shrunk to about this size
   double direction_cost_px = 1.0;  ///< field pixels that one direction bin off counts as
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("noise_factor", self.noise_factor, 1.0, 50.0);
+    visit("texture_factor", self.texture_factor, 0.0, 20.0);
+    visit("texture_cost_px", self.texture_cost_px, 0.0, 20.0);
     visit("megapixels", self.megapixels, 0.1, 50.0);
     visit("direction_cost_px", self.direction_cost_px, 0.0, 20.0);
   }

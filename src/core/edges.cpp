@@ -4,6 +4,7 @@
 
 #include "parallel.h"
 #include "simd.h"
+#include "texture.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -104,15 +105,22 @@ std::array<float, 256> estimateNoise(const cv::Mat& grey) {
   return out;
 }
 
-/// Direction bin + 1 of each edgel, 0 elsewhere: ridge of the Scharr gradient above the noise.
-void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, double factor, int y0,
-                int y1, cv::Mat* marks) {
+/// What is found in the base image.
+struct Marks {
+  cv::Mat_<std::uint8_t> direction;  ///< bin + 1 of each edgel, 0 elsewhere
+  cv::Mat_<std::uint8_t> is_faint;   ///< whether it may be texture
+};
+
+/// Ridge of the Scharr gradient above the noise, in rows y0 to y1.
+void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const Texture& texture,
+                const EdgesParams& params, int y0, int y1, Marks* marks) {
   const int w = grey.cols;
+  const auto faintest = static_cast<float>(params.texture_factor);
   // Scharr's response to white noise of sigma s has sigma sqrt(2 (3^2 + 10^2 + 3^2)) s per
   // component.
   std::array<int, 256> threshold{};
   for (int g = 0; g < 256; ++g) {
-    threshold[g] = static_cast<int>(std::pow(factor * noise[g] * std::sqrt(236.0), 2));
+    threshold[g] = static_cast<int>(std::pow(params.noise_factor * noise[g] * std::sqrt(236.0), 2));
   }
   // Three rolling rows of gradients.
   std::vector<int> buffer(9 * w, 0);
@@ -141,7 +149,7 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, double
     const int up = (y - y0) % 3, here = (y - y0 + 1) % 3, down = (y - y0 + 2) % 3;
     gradient(y + 1, down);
     const auto* level = grey.ptr<std::uint8_t>(y);
-    auto* out = marks->ptr<std::uint8_t>(y);
+    auto *out = marks->direction.ptr(y), *is_faint = marks->is_faint.ptr(y);
     for (int x = 2; x < w - 2; ++x) {
       const int m = mag[here][x];
       if (m < threshold[level[x]]) continue;
@@ -158,6 +166,7 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, double
       }
       if (m > before && m >= after) {
         out[x] = static_cast<std::uint8_t>(1 + directionBin(h, v));
+        is_faint[x] = static_cast<float>(m) < std::pow(faintest * texture.at(x, y), 2.0f);
       }
     }
   }
@@ -309,17 +318,24 @@ static void spreadDirections(Field* field, double cost_px, int y0, int y1) {
 
 namespace {
 
-/// Places in the field's distances of the edgels that rows y0 to y1 hold.
-std::vector<std::size_t> placeEdgels(const cv::Mat& marks, const UndistortGrid& undistort,
-                                     const Field& field, int y0, int y1) {
-  std::vector<std::size_t> out;
-  for (int y = std::max(y0, 4); y < std::min(y1, marks.rows - 4); ++y) {
-    const auto* row = marks.ptr<std::uint8_t>(y);
-    for (int x = 4; x < marks.cols - 4; ++x) {
-      if (row[x] == 0 || !continues(marks, x, y, row[x] - 1)) continue;
+/// An edgel in the field.
+struct Edgel {
+  std::size_t place;  ///< in Field::distance
+  bool is_faint;
+};
+
+/// The edgels that rows y0 to y1 hold.
+std::vector<Edgel> placeEdgels(const Marks& marks, const UndistortGrid& undistort,
+                               const Field& field, int y0, int y1) {
+  std::vector<Edgel> out;
+  for (int y = std::max(y0, 4); y < std::min(y1, marks.direction.rows - 4); ++y) {
+    const auto *row = marks.direction.ptr(y), *is_faint = marks.is_faint.ptr(y);
+    for (int x = 4; x < marks.direction.cols - 4; ++x) {
+      if (row[x] == 0 || !continues(marks.direction, x, y, row[x] - 1)) continue;
       const Eigen::Vector2d p = undistort(x, y);
       const int u = static_cast<int>(p.x() + 0.5), v = static_cast<int>(p.y() + 0.5);
-      out.push_back((static_cast<std::size_t>(v) * field.width + u) * kDirections + row[x] - 1);
+      const std::size_t pixel = static_cast<std::size_t>(v) * field.width + u;
+      out.push_back({pixel * kDirections + row[x] - 1, is_faint[x] != 0});
     }
   }
   return out;
@@ -334,11 +350,13 @@ EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams&
   const Base base = shrinkImage(map.image, params);
   map.noise = estimateNoise(base.grey);
 
-  cv::Mat marks = cv::Mat::zeros(base.grey.size(), CV_8U);
+  const Texture texture(base.grey, threads);
+  Marks marks{cv::Mat_<std::uint8_t>(base.grey.size(), std::uint8_t{0}),
+              cv::Mat_<std::uint8_t>(base.grey.size(), std::uint8_t{0})};
   constexpr int kBand = 64;
   const int bands = (base.grey.rows + kBand - 1) / kBand;
   parallelFor(bands, threads, [&](int i) {
-    markEdgels(base.grey, map.noise, params.noise_factor, i * kBand,
+    markEdgels(base.grey, map.noise, texture, params, i * kBand,
                std::min((i + 1) * kBand, base.grey.rows), &marks);
   });
 
@@ -346,13 +364,18 @@ EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams&
   Field& field = map.field;
   field.distance.assign(static_cast<std::size_t>(field.width) * field.height * kDirections,
                         kFarDistance);
-  std::vector<std::vector<std::size_t>> edgels(bands);
+  std::vector<std::vector<Edgel>> edgels(bands);
   parallelFor(bands, threads, [&](int i) {
     edgels[i] = placeEdgels(marks, undistort, field, i * kBand, (i + 1) * kBand);
   });
-  for (const auto& places : edgels) {
-    for (const std::size_t place : places) field.distance[place] = 0;
-    map.edgels += places.size();
+  const auto farther =
+      static_cast<std::uint8_t>(std::lround(params.texture_cost_px * kUnitsPerFieldPixel));
+  for (const auto& band : edgels) {
+    for (const Edgel& edgel : band) {
+      std::uint8_t& distance = field.distance[edgel.place];
+      distance = std::min(distance, edgel.is_faint ? farther : std::uint8_t{0});
+    }
+    map.edgels += band.size();
   }
   distanceTransform(&field, threads);
   parallelFor((field.height + kBand - 1) / kBand, threads, [&](int i) {
