@@ -11,7 +11,7 @@
 namespace planar_bin_picking {
 
 /// A part's face, its holes left out, as square cells in rows along x and y of the part frame; the
-/// same for both faces. Some 40 cells along its longer side.
+/// same for both faces. 40 cells along its longer side, more where it is narrow everywhere.
 class FaceGrid {
  public:
   /// Two cells side by side (`along_x`) or one above the other.
@@ -42,6 +42,9 @@ class FaceGrid {
   const cv::Mat_<float>& fromOutline() const { return from_outline_; }
 
  private:
+  /// @param half_full  cells with less material than half of them are left out
+  void divide(const Drawing& drawing, double across, bool half_full);
+
   double cell_size_ = 0.0;
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();  ///< of corner 0, 0
   cv::Mat_<int> index_;                               ///< of the cell there; -1 off the face

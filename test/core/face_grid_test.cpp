@@ -28,6 +28,18 @@ TEST(FaceGrid, CellsCoverTheFaceWithoutItsHoles) {
     EXPECT_GT((cell - Eigen::Vector2d(-0.010, 0.0)).norm(), 0.0135);
 }
 
+TEST(FaceGrid, ANarrowRingHasCellsToo) {
+  for (const double width_mm : {2.0, 0.5, 0.05}) {
+    sim::Plate plate;
+    plate.outer = circle(0, 0, 60);
+    plate.holes = {circle(0, 0, 60 - width_mm, true)};
+    const FaceGrid grid = gridOf(plate);
+    EXPECT_GE(grid.cells().size(), 60u) << width_mm;
+    for (const auto& cell : grid.cells())
+      EXPECT_NEAR(1e3 * cell.norm(), 60 - 0.5 * width_mm, 0.5 * width_mm + 1e3 * grid.cellSize());
+  }
+}
+
 TEST(FaceGrid, LinksJoinNeighbours) {
   const FaceGrid grid = gridOf(bracketPlate());
   ASSERT_FALSE(grid.links().empty());
