@@ -3,6 +3,7 @@
 #include "planar_bin_picking/edges.h"
 
 #include "parallel.h"
+#include "scharr.h"
 #include "simd.h"
 #include "texture.h"
 
@@ -136,11 +137,10 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const 
                *c = grey.ptr<std::uint8_t>(y + 1);
     int *const dx = gx[slot], *const dy = gy[slot], *const m = mag[slot];
     for (int x = 1; x < w - 1; ++x) {
-      const int h = 3 * (a[x + 1] - a[x - 1] + c[x + 1] - c[x - 1]) + 10 * (b[x + 1] - b[x - 1]);
-      const int v = 3 * (c[x - 1] - a[x - 1] + c[x + 1] - a[x + 1]) + 10 * (c[x] - a[x]);
-      dx[x] = h;
-      dy[x] = v;
-      m[x] = h * h + v * v;
+      const Scharr gradient(a, b, c, x);
+      dx[x] = gradient.h;
+      dy[x] = gradient.v;
+      m[x] = gradient.squared();
     }
   };
   gradient(y0 - 1, 0);

@@ -39,6 +39,10 @@ PartFile checked(PartFile file) {
   if (loops.empty() || loops.front().kind != LoopKind::kOuter) {
     throw std::invalid_argument("part " + file.name + ": the outline has no outer contour");
   }
+  Eigen::AlignedBox2d box;
+  for (const auto& p : loops.front().points) box.extend(p);
+  if (box.isEmpty() || !(box.sizes().maxCoeff() > 0.0))
+    throw std::invalid_argument("part " + file.name + ": the outer contour has no extent");
   if (!(file.thickness >= 0.0)) {
     throw std::invalid_argument("part " + file.name + ": thickness " +
                                 std::to_string(file.thickness) + " m; it must be 0 or more");

@@ -204,7 +204,8 @@ std::string deadlockHint(const std::vector<Refused>& refused) {
     case PickRefusal::kLowScore:
       return parts + "score too low: check light and focus, or lower pick/score_min";
     case PickRefusal::kOccluded:
-      return parts + "are covered: stir or shake the bin, or lower pick/visible_min";
+      return parts +
+             "are covered: stir or shake the bin, lower pick/visible_min, or use a thinner tool";
     case PickRefusal::kTilt:
       return parts + "lie too steep: stir or shake the bin, or raise pick/tilt_max_deg";
     case PickRefusal::kWall:

@@ -3,6 +3,7 @@
 #include "texture.h"
 
 #include "parallel.h"
+#include "scharr.h"
 
 #include <array>
 #include <cmath>
@@ -20,9 +21,7 @@ float meanGradient(const cv::Mat& grey, const cv::Rect& block) {
     const auto *a = grey.ptr<std::uint8_t>(y - 1), *b = grey.ptr<std::uint8_t>(y),
                *c = grey.ptr<std::uint8_t>(y + 1);
     for (int x = x0; x < x1; ++x) {
-      const int h = 3 * (a[x + 1] - a[x - 1] + c[x + 1] - c[x - 1]) + 10 * (b[x + 1] - b[x - 1]);
-      const int v = 3 * (c[x - 1] - a[x - 1] + c[x + 1] - a[x + 1]) + 10 * (c[x] - a[x]);
-      sum += std::sqrt(static_cast<float>(h * h + v * v));
+      sum += std::sqrt(static_cast<float>(Scharr(a, b, c, x).squared()));
     }
     count += std::max(0, x1 - x0);
   }

@@ -105,6 +105,9 @@ TEST(PartModel, RefusesWhatIsNoPart) {
   file.drawing.loops = {{LoopKind::kHole, true, {{0.0, 0.0}, {0.01, 0.0}, {0.0, 0.01}}}};
   EXPECT_TRUE(refuses([&] { PartModel part(file); }, {"thing", "no outer contour"}));
   file.drawing.loops[0].kind = LoopKind::kOuter;
+  PartFile point = file;
+  point.drawing.loops[0].points = {{0.01, 0.01}, {0.01, 0.01}};
+  EXPECT_TRUE(refuses([&] { PartModel part(point); }, {"thing", "no extent"}));
   file.thickness = -1e-3;
   EXPECT_TRUE(refuses([&] { PartModel part(file); }, {"thing", "thickness"}));
   file.thickness = std::numeric_limits<double>::quiet_NaN();

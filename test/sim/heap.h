@@ -53,8 +53,8 @@ class Heap {
 
   std::vector<Body> bodies() const;  ///< by id
   /// Weight of what lies on a part, in units of its own weight: forces at its contacts from above.
-  /// What leans with its own rim on the rim of the part is left out: it
-  /// slides off; and so is what rests where only the collision shapes have material.
+  /// What leans with its own rim on the rim of the part is left out (it slides off), and so is what
+  /// rests where only the collision shapes have material.
   double load(int id) const;
   /// How deep the deepest contact reaches into another body, metres.
   double deepestPenetration() const;
