@@ -166,7 +166,8 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const 
       }
       if (m > before && m >= after) {
         out[x] = static_cast<std::uint8_t>(1 + directionBin(h, v));
-        is_faint[x] = static_cast<float>(m) < std::pow(faintest * texture.at(x, y), 2.0f);
+        const float least = faintest * texture.at(x, y);
+        is_faint[x] = static_cast<float>(m) < least * least;
       }
     }
   }

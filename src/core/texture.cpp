@@ -4,41 +4,43 @@
 
 #include "parallel.h"
 #include "scharr.h"
+#include "simd.h"
 
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <vector>
 
 namespace planar_bin_picking {
-namespace {
 
-/// Mean of Scharr's response over the pixels of every second row.
-float meanGradient(const cv::Mat& grey, const cv::Rect& block) {
-  float sum = 0.0f;
-  int count = 0;
-  const int x0 = std::max(1, block.x), x1 = std::min(grey.cols - 1, block.x + block.width);
-  for (int y = std::max(1, block.y); y < std::min(grey.rows - 1, block.y + block.height); y += 2) {
-    const auto *a = grey.ptr<std::uint8_t>(y - 1), *b = grey.ptr<std::uint8_t>(y),
-               *c = grey.ptr<std::uint8_t>(y + 1);
-    for (int x = x0; x < x1; ++x) {
-      sum += std::sqrt(static_cast<float>(Scharr(a, b, c, x).squared()));
-    }
-    count += std::max(0, x1 - x0);
-  }
-  return count > 0 ? sum / static_cast<float>(count) : 0.0f;
+/// Strength of Scharr's response at columns 1 to w - 2 of the middle of three rows.
+PBP_SIMD
+static void strengths(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below,
+                      int w, float* out) {
+  for (int x = 1; x < w - 1; ++x)
+    out[x] = std::sqrt(static_cast<float>(Scharr(above, row, below, x).squared()));
 }
-
-}  // namespace
 
 Texture::Texture(const cv::Mat& grey, int threads) {
   constexpr int kAround = 2;  // blocks to either side
   // Contours fill few of these blocks, texture all; about teeth and holes up to half of them.
   constexpr double kQuantile = 0.35;
   const int rows = std::max(1, grey.rows / kBlock), cols = std::max(1, grey.cols / kBlock);
-  cv::Mat_<float> mean(rows, cols);
+  cv::Mat_<float> mean(rows, cols, 0.0f);
   parallelFor(rows, threads, [&](int row) {
-    for (int col = 0; col < cols; ++col)
-      mean(row, col) = meanGradient(grey, {col * kBlock, row * kBlock, kBlock, kBlock});
+    // Every second row of the image will do.
+    std::vector<float> line(static_cast<std::size_t>(grey.cols), 0.0f);
+    for (int k = 0; k < kBlock; k += 2) {
+      const int y = std::max(1, row * kBlock + k);
+      if (y + 1 >= grey.rows) break;
+      strengths(grey.ptr(y - 1), grey.ptr(y), grey.ptr(y + 1), grey.cols, line.data());
+      for (int col = 0; col < cols; ++col) {
+        const auto block = line.begin() + col * kBlock;
+        const auto end = block + std::min(kBlock, grey.cols - col * kBlock);
+        mean(row, col) += std::accumulate(block, end, 0.0f) / (kBlock * kBlock / 2);
+      }
+    }
   });
   level_.create(rows, cols);
   parallelFor(rows, threads, [&](int row) {
