@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator_params.h"
 
+#include "names.h"
+#include "param_reader.h"
+
 #include <stdexcept>
 
 namespace planar_bin_picking_ros {
@@ -24,6 +27,21 @@ void validate(const CalibratorParams& params) {
   planar_bin_picking::parseBoard(params.board, params.square);
   planar_bin_picking::validate(params.solver);
   planar_bin_picking::validate(params.run);
+}
+
+CalibratorParams loadCalibratorParams(const XmlRpc::XmlRpcValue& tree) {
+  CalibratorParams params;
+  ParamReader reader(tree, kCalibratorParams);
+  CalibratorParams::fields(params, reader);
+  reader.finish();
+  validate(params);
+  return params;
+}
+
+std::string describe(const CalibratorParams& params) {
+  ParamPrinter printer;
+  CalibratorParams::fields(params, printer);
+  return printer.text.str();
 }
 
 }  // namespace planar_bin_picking_ros

@@ -6,6 +6,8 @@
 
 #include "planar_bin_picking/calibration_run.h"
 
+#include <xmlrpcpp/XmlRpcValue.h>
+
 #include <string>
 
 namespace planar_bin_picking_ros {
@@ -64,5 +66,9 @@ struct CalibratorParams {
 
 /// @throws std::invalid_argument  naming the key, its value and what it must be
 void validate(const CalibratorParams& params);
+
+/// As the loaders of load_params.h, which the locator links without the calibrator's library.
+CalibratorParams loadCalibratorParams(const XmlRpc::XmlRpcValue& tree);
+std::string describe(const CalibratorParams& params);
 
 }  // namespace planar_bin_picking_ros

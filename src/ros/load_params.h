@@ -5,7 +5,6 @@
 /// ROS parameters -> parameter structs, driven by the structs' own lists of fields. A key that no
 /// field has is an error, so that a typing error cannot pass for a default.
 
-#include "calibrator_params.h"
 #include "cell_params.h"
 #include "hdr_node_params.h"
 #include "planar_bin_picking/params.h"
@@ -28,13 +27,11 @@ planar_bin_picking::LocatorParams loadLocatorParams(const XmlRpc::XmlRpcValue& t
 CellParams loadCellParams(const XmlRpc::XmlRpcValue& tree);
 HdrNodeParams loadHdrNodeParams(const XmlRpc::XmlRpcValue& tree);
 planar_bin_picking::PickParams loadPickParams(const XmlRpc::XmlRpcValue& tree);
-CalibratorParams loadCalibratorParams(const XmlRpc::XmlRpcValue& tree);
 
 /// "key: value" of every field, one a line, for the log at start.
 std::string describe(const planar_bin_picking::LocatorParams& params);
 std::string describe(const CellParams& params);
 std::string describe(const HdrNodeParams& params);
 std::string describe(const planar_bin_picking::PickParams& params);
-std::string describe(const CalibratorParams& params);
 
 }  // namespace planar_bin_picking_ros

@@ -3,6 +3,7 @@
 /// The files that the package ships say what the code says: a default stands in the structs alone,
 /// and the YAML that documents it cannot drift from them.
 
+#include "calibrator_params.h"
 #include "load_params.h"
 #include "part_library.h"
 

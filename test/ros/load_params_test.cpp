@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load_params.h"
 
+#include "calibrator_params.h"
 #include "support/matchers.h"
 
 #include <gtest/gtest.h>
