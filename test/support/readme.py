@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: The planar_bin_picking authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The README as data: its fenced examples, the files they are meant to be, and the commands in them."""
+import re
+import textwrap
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parents[2]
+FENCE = re.compile(r"^( *)```(\w*)\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
+# The first line of a file's example is a comment with its path.
+FILE_NAME = re.compile(r"\s*(?:#|<!--)\s*([\w./]+\.\w+)\s*(?:-->)?\n")
+FILES = {"yaml", "xml", "cmake"}
+ALL_LANGUAGES = FILES | {"sh", "text"}
+
+
+def text():
+    return (PACKAGE / "README.md").read_text()
+
+
+def blocks(markdown):
+    """[(language, text)] of all fenced examples, in their order."""
+    return [(match[2], textwrap.dedent(match[3])) for match in FENCE.finditer(markdown)]
+
+
+def files(markdown):
+    """{path: contents} of the examples that are files."""
+    found = {}
+    for language, contents in blocks(markdown):
+        if language in FILES:
+            name = FILE_NAME.match(contents)
+            if not name:
+                raise ValueError(f"an example in {language} does not begin with its file's name:\n{contents}")
+            found[name[1]] = contents
+    return found
+
+
+def commands(markdown):
+    """All shell commands, each in one line and without its comment."""
+    lines = [line for language, contents in blocks(markdown) if language == "sh"
+             for line in contents.replace("\\\n", " ").splitlines()]
+    stripped = [re.sub(r"\s+# .*", "", line).strip() for line in lines]
+    return [re.sub(r"\s+", " ", line) for line in stripped if line]
