@@ -79,6 +79,15 @@ int main(int, char** argv) {
 """
 
 
+HAND_EYE = """parent_frame: flange
+child_frame: eye
+position: [0, 0, 0]
+orientation: [0, 0, 0, 1]
+expected_error_mm: 1
+expected_error_deg: 1
+"""
+
+
 def install(folder):
     """Into `folder`, away from where the build was told it would go: rospack would find two of everything
     in the source's own folder."""
@@ -144,7 +153,8 @@ class Installed(unittest.TestCase):
         cases["calibrate"] = [f"cell:={self.root}/calibrator.yaml"]
         cases["hand_eye"] = ["file:=hand_eye.yaml"]
         self.assertEqual(set(cases), {path.stem for path in (self.share / "launch").glob("*.launch")})
-        launches = [f"{self.share}/launch/{name}.launch {arguments}" for name, more in cases.items() for arguments in more]
+        launches = [f"{self.share}/launch/{name}.launch {arguments}"
+                    for name, more in cases.items() for arguments in more]
         output = subprocess.run(["python3", str(PACKAGE / "test/install/launch_nodes.py"), *launches], check=True,
                                 env=self.environment, capture_output=True, text=True, timeout=120).stdout
         count, *missing = output.strip().splitlines()[-1].split()
@@ -186,8 +196,8 @@ class Installed(unittest.TestCase):
 
     def test_cell_answers_with_the_pick_poses_of_the_part_file(self):
         with self.session() as session:
-            session.start(f"rosrun planar_bin_picking play_scene.py {self.scene} camera/image_raw:=/my_camera/image_raw "
-                          "camera/camera_info:=/my_camera/camera_info", "camera")
+            session.start(f"rosrun planar_bin_picking play_scene.py {self.scene} "
+                          "camera/image_raw:=/my_camera/image_raw camera/camera_info:=/my_camera/camera_info", "camera")
             session.start(self.here(command("cell")), "cell")
             session.wait_for("rosservice type /locator/locate_part", 60)
             answer = yaml.safe_load(session.run(command("locate")))
@@ -257,8 +267,7 @@ class Installed(unittest.TestCase):
         folder.mkdir()
         (folder / "CMakeLists.txt").write_text(CLIENT_CMAKE)
         (folder / "my_client.cpp").write_text(CLIENT_SOURCE)
-        (folder / "hand_eye.yaml").write_text("parent_frame: flange\nchild_frame: eye\nposition: [0, 0, 0]\n"
-                                              "orientation: [0, 0, 0, 1]\nexpected_error_mm: 1\nexpected_error_deg: 1\n")
+        (folder / "hand_eye.yaml").write_text(HAND_EYE)
         program = self.build("my_client", "all") / "devel/lib/my_client/my_client"
         with self.session() as session:
             output = session.run(f"{program} parts/bracket.yaml my_client/hand_eye.yaml")

@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: The planar_bin_picking authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the tests' files name, with comments left out: fields, constants, texts and trees of parameters."""
+import ast
+import re
+import xml.etree.ElementTree as ElementTree
+
+import yaml
+
+CPP_COMMENT_OR_STRING = re.compile(
+    r'//[^\n]*|/\*.*?\*/|R"(\w*)\((.*?)\)\1"|"((?:\\.|[^"\\\n])*)"|\'(?:\\.|[^\'\\\n])\'', re.DOTALL)
+
+
+class Named:
+    """What one file names."""
+
+    def __init__(self):
+        self.identifiers = set()  # of types: which messages the file is about
+        self.fields = set()  # (owner, field), the owner being the word before the point
+        self.keywords = set()  # (function, field), of calls in Python
+        self.constants = set()  # (class, constant)
+        self.texts = set()
+        self.parameters = set()  # that the file reads
+        self.trees = []  # flattened {path: value} of mappings
+
+    def add_tree(self, tree):
+        if isinstance(tree, dict):
+            self.trees.append(dict(flatten(tree)))
+
+    def add_text(self, text):
+        self.texts.add(text)
+        if ":" in text:
+            try:
+                self.add_tree(yaml.safe_load(text))
+            except yaml.YAMLError:
+                pass  # most texts with a colon are no YAML
+
+
+def flatten(tree, prefix=""):
+    """(path, value) of every leaf, and of every inner node with value None; lists of mappings count by their keys."""
+    for key, value in tree.items():
+        path = f"{prefix}{key}"
+        if isinstance(value, dict):
+            yield path, None
+            yield from flatten(value, path + "/")
+        elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
+            yield path, None
+            for item in value:
+                if isinstance(item, dict):
+                    yield from flatten(item, path + "/")
+        else:
+            yield path, value
+
+
+def read_cpp(text):
+    named = Named()
+
+    def blank(match):
+        literal = match[2] if match[2] is not None else match[3]
+        if literal is not None:
+            named.add_text(literal.replace("\\n", "\n").replace('\\"', '"'))
+        return ' "" '
+
+    code = CPP_COMMENT_OR_STRING.sub(blank, text)
+    named.parameters = set(re.findall(r'\b(?:param|getParam|required)(?:<[^;(]*>)?\(\s*"~?([\w/]+)"', text))
+    named.identifiers = set(re.findall(r"\b[A-Z]\w*", code))
+    named.fields = set(re.findall(r"(\w+)(?:\(\)|\[[^\]]*\])?\s*(?:\.|->)\s*(?=([a-z]\w*))", code))
+    named.constants = set(re.findall(r"\b(\w+)::([A-Z][A-Z_0-9]*)\b", code))
+    # Response::OK of LocatePart::Response::OK belongs to the service.
+    named.constants |= {(owner + part, name) for owner, part, name in
+                        re.findall(r"\b(\w+)::(Request|Response)::([A-Z][A-Z_0-9]*)\b", code)}
+    return named
+
+
+class PythonNames(ast.NodeVisitor):
+    def __init__(self):
+        self.named = Named()
+
+    @staticmethod
+    def last_word(node):
+        while isinstance(node, (ast.Subscript, ast.Call)):
+            node = node.value if isinstance(node, ast.Subscript) else node.func
+        return getattr(node, "attr", getattr(node, "id", ""))
+
+    def visit_Attribute(self, node):
+        owner = self.last_word(node.value)
+        (self.named.constants if node.attr.isupper() else self.named.fields).add((owner, node.attr))
+        self.named.identifiers.add(node.attr)
+        self.generic_visit(node)
+
+    def visit_Name(self, node):
+        self.named.identifiers.add(node.id)
+
+    def visit_alias(self, node):
+        self.named.identifiers.add(node.name)
+
+    def visit_Call(self, node):
+        function = self.last_word(node.func)
+        if function in ("get_param", "param") and node.args and isinstance(node.args[0], ast.Constant):
+            self.named.parameters.add(str(node.args[0].value).lstrip("~"))
+        self.named.keywords |= {(function, keyword.arg) for keyword in node.keywords if keyword.arg}
+        self.generic_visit(node)
+
+    def visit_Constant(self, node):
+        if isinstance(node.value, str):
+            self.named.add_text(node.value)
+
+    def visit_Dict(self, node):
+        try:
+            self.named.add_tree(ast.literal_eval(node))
+        except ValueError:
+            # With values that are not literals; the keys are.
+            self.named.add_tree({key.value: 0 for key in node.keys
+                                 if isinstance(key, ast.Constant) and isinstance(key.value, str)})
+        self.generic_visit(node)
+
+    def without_docstring(self, node):
+        if ast.get_docstring(node, clean=False) is not None:
+            node.body = node.body[1:] or [ast.Pass()]
+        self.generic_visit(node)
+
+    visit_Module = visit_ClassDef = visit_FunctionDef = without_docstring
+
+
+def read_python(text):
+    visitor = PythonNames()
+    visitor.visit(ast.parse(text))
+    return visitor.named
+
+
+def read_launch(text):
+    """A .test: its parameters. The parser leaves comments out."""
+    named = Named()
+    for element in ElementTree.fromstring(text).iter():
+        named.texts |= set(element.attrib.values())
+        if element.tag == "param":
+            named.add_tree({element.get("name"): number(element.get("value", ""))})
+        if element.tag == "rosparam" and element.text:
+            tree = yaml.safe_load(element.text)
+            # cases/<name>/... of a tester: what is below a name of a case counts by itself.
+            named.add_tree(tree if isinstance(tree, dict) else {element.get("param", ""): tree})
+            for value in tree.values() if isinstance(tree, dict) else []:
+                named.add_tree(value)
+    return named
+
+
+def number(text):
+    return yaml.safe_load(text) if re.fullmatch(r"-?[\d.]+", text) else text
+
+
+def read_yaml(text):
+    named = Named()
+    named.add_tree(yaml.safe_load(text))
+    return named
+
+
+READERS = {".cpp": read_cpp, ".py": read_python, ".test": read_launch, ".yaml": read_yaml, ".yml": read_yaml}
+
+
+def read(path):
+    return READERS[path.suffix](path.read_text())
