@@ -63,10 +63,17 @@ def read_keys(package):
         name = path.stem.replace("_node_params", "").replace("_params", "") + ".yaml"
         if name in keys:
             keys[name] |= set(re.findall(r'visit\("(\w+)"', path.read_text()))
-    source = package / PART_KEYS_IN
-    if source.exists():
-        lists = re.findall(r"refuseUnknownKeys\(\w+, \w+,\s*\{([^}]*)\}", source.read_text())
-        keys["a part's yaml"] = {key for one in lists for key in re.findall(r'"(\w+)"', one)}
+    keys["a part's yaml"] = part_keys(package)
+    return keys
+
+
+def part_keys(package):
+    """Of a part file and its pick poses, from the lists by which the code refuses unknown ones."""
+    source = (package / PART_KEYS_IN).read_text()
+    lists = re.findall(r"(?:refuseUnknownKeys\(\w+, \w+,|kKeys =)\s*\{([^}]*)\}", source)
+    keys = {key for one in lists for key in re.findall(r'"(\w+)"', one)}
+    if not {"drawing", "position_mm"} <= keys:
+        raise LookupError(f"{PART_KEYS_IN} no longer has its lists of keys where this check looks for them")
     return keys
 
 
