@@ -176,13 +176,13 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const 
 /// What the neighbours along a contour look like, by direction bin.
 struct Continuation {
   std::array<std::array<int, 2>, kDirections> along;  // two pixels along the tangent
-  std::array<std::array<bool, kDirections + 1>, kDirections> alike{};  // [bin][mark]
+  std::array<std::array<std::uint8_t, kDirections + 1>, kDirections> alike{};  // [bin][mark]: 0, 1
 
   Continuation() {
     for (int b = 0; b < kDirections; ++b) {
       along[b] = {static_cast<int>(std::lround(-2 * std::sin(b * M_PI / kDirections))),
                   static_cast<int>(std::lround(2 * std::cos(b * M_PI / kDirections)))};
-      for (const int turn : {kDirections - 1, 0, 1}) alike[b][1 + (b + turn) % kDirections] = true;
+      for (const int turn : {kDirections - 1, 0, 1}) alike[b][1 + (b + turn) % kDirections] = 1;
     }
   }
 };
@@ -196,7 +196,7 @@ bool continues(const cv::Mat& marks, int x, int y, int bin) {
     bool found = false;
     for (int j = -1; j <= 1; ++j) {
       const auto* p = marks.ptr<std::uint8_t>(cy + j) + cx;
-      found |= alike[p[-1]] | alike[p[0]] | alike[p[1]];
+      found |= (alike[p[-1]] | alike[p[0]] | alike[p[1]]) != 0;
     }
     return found;
   };
@@ -302,17 +302,15 @@ void distanceTransform(Field* field, int threads) {
 PBP_SIMD
 static void spreadDirections(Field* field, double cost_px, int y0, int y1) {
   static_assert(kDirections == 16, "the turns below are written out");
-  typedef std::uint8_t Order __attribute__((vector_size(kDirections)));
-  constexpr Order kNext = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0};
-  constexpr Order kLast = {15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
   const auto cost = static_cast<std::uint8_t>(std::lround(cost_px * kUnitsPerFieldPixel));
   auto* p = reinterpret_cast<Directions*>(field->distance.data());
   const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(y0) * field->width;
   const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(y1) * field->width;
   for (std::ptrdiff_t i = from; i < to; ++i) {
     const Directions here = p[i];
-    const Directions side =
-        lower(__builtin_shuffle(here, kNext), __builtin_shuffle(here, kLast)) + cost;
+    const Directions next = PBP_SHUFFLE(here, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0);
+    const Directions last = PBP_SHUFFLE(here, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14);
+    const Directions side = lower(next, last) + cost;
     p[i] = lower(here, side);
   }
 }

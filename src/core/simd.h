@@ -13,6 +13,14 @@
 #define PBP_SIMD
 #endif
 
+/// The lanes of a vector of bytes in the order that follows it. GCC before 12 and Clang have no
+/// common name for this.
+#if defined(__clang__)
+#define PBP_SHUFFLE(vector, ...) __builtin_shufflevector(vector, vector, __VA_ARGS__)
+#else
+#define PBP_SHUFFLE(vector, ...) __builtin_shuffle(vector, decltype(vector){__VA_ARGS__})
+#endif
+
 namespace planar_bin_picking {
 
 /// 32 bytes added at once; the compiler splits it where registers are smaller.
