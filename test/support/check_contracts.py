@@ -85,8 +85,8 @@ def read_tests(package):
     tests += [path for folder in ros for path in folder.glob("*.py")
               if path not in tests and re.search(r"^\s*import (?:unittest|rostest)", path.read_text(), re.MULTILINE)]
     of_config = [*package.glob("test/ros/config_test.cpp"), *package.glob("test/ros/load_params_test.cpp"),
-                 *package.glob("test/core/locator_keys_test.cpp"), *package.glob("test/tools/*_test.cpp"),
-                 *package.glob("test/tools/*_test.py")]
+                 *package.glob("test/core/*_keys_test.cpp"), *package.glob("test/ros/*_keys_test.cpp"),
+                 *package.glob("test/tools/*_test.cpp"), *package.glob("test/tools/*_test.py")]
     named = [read(path) for path in tests]
     texts = " ".join(text for one in named for text in one.texts)
     data = [path for path in [*package.glob("test/ros/**/*.y*ml"), *package.glob("test/sim/*.yaml"),
