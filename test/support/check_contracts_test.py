@@ -102,6 +102,11 @@ class Contracts(unittest.TestCase):
         launch = LAUNCH.replace("</launch>", '<param name="what" value="y"/></launch>')
         self.assertEqual(self.gaps_of(files={"test/ros/x_tester.cpp": text, "test/ros/x.test": launch}), [])
 
+    def test_texts_that_are_no_honest_yaml_do_no_harm(self):
+        deep = "[" * 5000
+        text = TESTER + 'const char* a = "&a {b: *a}"; const char* c = "c: ' + deep + '"; const char* d = "d: \x01";'
+        self.assertEqual(self.gaps_of(files={"test/ros/x_tester.cpp": text}), [])
+
     def test_the_same_word_in_another_tree_does_not_count(self):
         self.assertEqual(self.without("test/ros/x.test", LAUNCH, "{rate: 2.0, port: 4}", "{rate: 2.0, service: 4}"),
                          ["node.yaml: key port", "node.yaml: key rate"])

@@ -32,22 +32,27 @@ class Named:
         if ":" in text:
             try:
                 self.add_tree(yaml.safe_load(text))
-            except yaml.YAMLError:
-                pass  # most texts with a colon are no YAML
+            except (yaml.YAMLError, ValueError, RecursionError):
+                pass  # most texts with a colon are no YAML, and some are made to be none
 
 
-def flatten(tree, prefix=""):
-    """(path, value) of every leaf, and of every inner node with value None; lists of mappings count by their keys."""
+def flatten(tree, prefix="", seen=None):
+    """(path, value) of every leaf, and of every inner node with value None; lists of mappings count by their keys.
+    Each mapping counts once, since one may hold itself."""
+    seen = set() if seen is None else seen
+    if id(tree) in seen:
+        return
+    seen.add(id(tree))
     for key, value in tree.items():
         path = f"{prefix}{key}"
         if isinstance(value, dict):
             yield path, None
-            yield from flatten(value, path + "/")
+            yield from flatten(value, path + "/", seen)
         elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
             yield path, None
             for item in value:
                 if isinstance(item, dict):
-                    yield from flatten(item, path + "/")
+                    yield from flatten(item, path + "/", seen)
         else:
             yield path, value
 
