@@ -88,6 +88,9 @@ def read_tests(package):
                  *package.glob("test/core/*_keys_test.cpp"), *package.glob("test/ros/*_keys_test.cpp"),
                  *package.glob("test/tools/*_test.cpp"), *package.glob("test/tools/*_test.py")]
     named = [read(path) for path in tests]
+    # What testers import is a part of them.
+    imported = set().union(*(one.identifiers for one in named))
+    named += [read(path) for folder in ros for path in folder.glob("*.py") if path not in tests and path.stem in imported]
     texts = " ".join(text for one in named for text in one.texts)
     data = [path for path in [*package.glob("test/ros/**/*.y*ml"), *package.glob("test/sim/*.yaml"),
                               *package.glob("test/data/parts/*.yaml")]

@@ -96,6 +96,10 @@ class PythonNames(ast.NodeVisitor):
     def visit_Name(self, node):
         self.named.identifiers.add(node.id)
 
+    def visit_ImportFrom(self, node):
+        self.named.identifiers.add(node.module)
+        self.generic_visit(node)
+
     def visit_alias(self, node):
         self.named.identifiers.add(node.name)
 
