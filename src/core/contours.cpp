@@ -2,16 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "contours.h"
 
-#include "polygon.h"
-
-#include <Eigen/Geometry>
-
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
 #include <limits>
 #include <locale>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -20,103 +18,26 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-double lengthOf(const Points& points) {
-  double length = 0.0;
-  for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).norm();
-  return length;
+/// Which way a stroke runs at its end; zero where it is bent there.
+Eigen::Vector2d endDirection(const Stroke& stroke, bool last) {
+  const Points& points = stroke.points;
+  if (points.size() != 2 && !stroke.centers.empty()) return Eigen::Vector2d::Zero();
+  const std::size_t n = points.size();
+  return last ? Eigen::Vector2d(points[n - 1] - points[n - 2])
+              : Eigen::Vector2d(points[1] - points[0]);
 }
 
-double distanceTo(const Points& polyline, const Eigen::Vector2d& p) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < polyline.size(); ++i) {
-    nearest = std::min(nearest, distanceToSegment(p, polyline[i - 1], polyline[i]));
-  }
-  return nearest;
+/// The point to which two lines lead from their ends; nothing where they meet at a flat angle, or
+/// the ends are at the same place already.
+std::optional<Eigen::Vector2d> cornerOf(const Eigen::Vector2d& a, const Eigen::Vector2d& along_a,
+                                        const Eigen::Vector2d& b, const Eigen::Vector2d& along_b) {
+  const double across = along_a.x() * along_b.y() - along_a.y() * along_b.x();
+  constexpr double kFlat = 0.1;  // sine of the angle
+  if ((a - b).norm() <= kExactMm || std::abs(across) <= kFlat * along_a.norm() * along_b.norm())
+    return std::nullopt;
+  const Eigen::Vector2d between = b - a;
+  return a + (between.x() * along_b.y() - between.y() * along_b.x()) / across * along_a;
 }
-
-bool liesOn(const Points& points, const Points& polyline, double tolerance) {
-  return std::all_of(points.begin(), points.end(), [&](const Eigen::Vector2d& p) {
-    return distanceTo(polyline, p) <= tolerance;
-  });
-}
-
-Eigen::AlignedBox2d boxOf(const Points& points) {
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector2d& p : points) box.extend(p);
-  return box;
-}
-
-/// Whether two strokes cover the same points: ends alone do not tell an arc from its chord.
-bool coverTheSame(const Stroke& s, const Stroke& t, double tolerance) {
-  const Eigen::AlignedBox2d a = boxOf(s.points), b = boxOf(t.points);
-  return (a.min() - b.min()).norm() <= tolerance && (a.max() - b.max()).norm() <= tolerance &&
-         liesOn(s.points, t.points, tolerance) && liesOn(t.points, s.points, tolerance);
-}
-
-/// Ends this close were drawn to meet; further apart, up to the tolerance, they were meant to.
-constexpr double kExactMm = 1e-4;
-
-/// Which ends of strokes meet. End 2 i is the first point of stroke i, end 2 i + 1 its last.
-class Joints {
- public:
-  Joints(const std::vector<Stroke>& strokes, double tolerance) {
-    for (const Stroke& stroke : strokes) {
-      ends_.push_back(stroke.points.front());
-      ends_.push_back(stroke.points.back());
-    }
-    parent_.resize(ends_.size());
-    std::iota(parent_.begin(), parent_.end(), 0);
-    joinClose(parent_, kExactMm);
-    collect();
-    // An outline of lines shorter than the tolerance must not collapse: only loose ends reach far.
-    std::vector<std::size_t> loose;
-    for (std::size_t end = 0; end < ends_.size(); ++end) {
-      if (meeting(end).size() == 1) loose.push_back(end);
-    }
-    joinClose(loose, tolerance);
-    collect();
-  }
-
-  const Eigen::Vector2d& at(std::size_t end) const { return ends_[end]; }
-  std::size_t count() const { return ends_.size(); }
-  /// All ends that meet in this one, itself included, in ascending order.
-  const std::vector<std::size_t>& meeting(std::size_t end) const { return members_[root(end)]; }
-  /// Where they meet.
-  Eigen::Vector2d joint(std::size_t end) const {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (const std::size_t other : meeting(end)) sum += ends_[other];
-    return sum / static_cast<double>(meeting(end).size());
-  }
-
- private:
-  void joinClose(std::vector<std::size_t> from_left, double tolerance) {
-    std::sort(from_left.begin(), from_left.end(), [this](std::size_t a, std::size_t b) {
-      return ends_[a].x() != ends_[b].x() ? ends_[a].x() < ends_[b].x() : a < b;
-    });
-    for (std::size_t i = 0; i < from_left.size(); ++i) {
-      for (std::size_t j = i + 1; j < from_left.size(); ++j) {
-        const Eigen::Vector2d& p = ends_[from_left[i]];
-        const Eigen::Vector2d& q = ends_[from_left[j]];
-        if (q.x() - p.x() > tolerance) break;
-        if ((q - p).norm() <= tolerance) parent_[root(from_left[j])] = root(from_left[i]);
-      }
-    }
-  }
-
-  void collect() {
-    members_.assign(ends_.size(), {});
-    for (std::size_t end = 0; end < ends_.size(); ++end) members_[root(end)].push_back(end);
-  }
-
-  std::size_t root(std::size_t end) const {
-    while (parent_[end] != end) end = parent_[end];
-    return end;
-  }
-
-  Points ends_;
-  std::vector<std::size_t> parent_;
-  std::vector<std::vector<std::size_t>> members_;
-};
 
 [[noreturn]] void throwOpen(const std::vector<Stroke>& strokes, const Joints& joints,
                             std::size_t end) {
@@ -126,7 +47,7 @@ class Joints {
   double gap = std::numeric_limits<double>::infinity();
   for (std::size_t other = 0; other < joints.count(); ++other) {
     const double distance = (joints.at(other) - joints.at(end)).norm();
-    if (other != end && joints.meeting(other).size() == 1 && distance < gap) {
+    if (other != end && joints.isLoose(other) && distance < gap) {
       gap = distance;
       nearest = other;
     }
@@ -177,6 +98,13 @@ struct Walk {
 
   Contour from(std::size_t index) {
     Contour contour{strokes[index].type, strokes[index].layer, false, {}};
+    if (strokes[index].closed) {
+      used[index] = true;
+      contour.points = strokes[index].points;
+      contour.points.pop_back();
+      contour.closed = true;
+      return contour;
+    }
     contour.closed = follow(2 * index, &contour.points);
     if (contour.closed) {
       contour.points.pop_back();
@@ -204,21 +132,6 @@ std::vector<Contour> chain(const std::vector<Stroke>& strokes, const Joints& joi
   return contours;
 }
 
-/// Drops what has no length, and strokes shorter than the tolerance that no contour runs through.
-std::vector<Stroke> withoutCrumbs(const std::vector<Stroke>& strokes, double tolerance) {
-  std::vector<Stroke> lines, kept;
-  for (const Stroke& stroke : strokes) {
-    if (lengthOf(stroke.points) > kExactMm) lines.push_back(stroke);
-  }
-  const Joints joints(lines, kExactMm);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const auto &first = joints.meeting(2 * i), &last = joints.meeting(2 * i + 1);
-    const bool through = first.size() == 2 && last.size() == 2 && first != last;
-    if (through || lengthOf(lines[i].points) > tolerance) kept.push_back(lines[i]);
-  }
-  return kept;
-}
-
 }  // namespace
 
 std::string inMm(const Eigen::Vector2d& point) {
@@ -230,28 +143,99 @@ std::string inMm(const Eigen::Vector2d& point) {
   return text.str();
 }
 
-std::vector<Stroke> withoutDuplicates(const std::vector<Stroke>& strokes, double tolerance) {
-  const std::vector<Stroke> lines = withoutCrumbs(strokes, tolerance);
-  std::vector<Stroke> kept;
-  std::multimap<double, std::size_t> by_left;  // index in kept by the left end of its box
-  for (const Stroke& stroke : lines) {
-    // A neighbour as short as the tolerance must not pass for the same line.
-    const double near = std::min(tolerance, 0.2 * lengthOf(stroke.points));
-    const double left = boxOf(stroke.points).min().x();
-    const bool twice = std::any_of(
-        by_left.lower_bound(left - near), by_left.upper_bound(left + near),
-        [&](const auto& other) { return coverTheSame(stroke, kept[other.second], near); });
-    if (twice) continue;
-    by_left.emplace(left, kept.size());
-    kept.push_back(stroke);
+Joints::Joints(const std::vector<Stroke>& strokes, double tolerance) : tolerance_(tolerance) {
+  std::vector<std::size_t> open;
+  for (const Stroke& stroke : strokes) {
+    const Points& points = stroke.points;
+    for (const bool last : {false, true}) {
+      if (!stroke.closed) open.push_back(ends_.size());
+      ends_.push_back(last ? points.back() : points.front());
+      directions_.push_back(endDirection(stroke, last));
+    }
+    closed_.push_back(stroke.closed);
   }
-  return kept;
+  parent_.resize(ends_.size());
+  std::iota(parent_.begin(), parent_.end(), 0);
+  joinClose(open, kExactMm);
+  collect();
+  // An outline of lines shorter than the tolerance must not collapse: only loose ends reach far.
+  std::vector<std::size_t> loose;
+  for (const std::size_t end : open) {
+    if (meeting(end).size() == 1) loose.push_back(end);
+  }
+  joinClose(loose, tolerance);
+  collect();
+}
+
+Eigen::Vector2d Joints::joint(std::size_t end) const {
+  if (meeting(end).size() == 2) {
+    const std::size_t a = meeting(end)[0], b = meeting(end)[1];
+    const auto corner = cornerOf(ends_[a], directions_[a], ends_[b], directions_[b]);
+    // Where they lead must be as near as their ends: lines at a flat angle meet far away.
+    if (corner && (*corner - ends_[a]).norm() <= tolerance_ &&
+        (*corner - ends_[b]).norm() <= tolerance_)
+      return *corner;
+  }
+  // Relative to one of them: far from the origin a sum would lose digits.
+  const Eigen::Vector2d& base = ends_[meeting(end).front()];
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const std::size_t other : meeting(end)) sum += ends_[other] - base;
+  return base + sum / static_cast<double>(meeting(end).size());
+}
+
+void Joints::joinClose(const std::vector<std::size_t>& ends, double tolerance) {
+  // In cells so small that all ends in one are close, one of them stands for all; ends of cells
+  // nearby are compared until two are close. So a thousand ends in a place, or at one x, cost
+  // little.
+  const double cell = tolerance / std::sqrt(2.0) * 0.999;
+  const auto cellOf = [&](std::size_t end) {
+    return std::make_pair(static_cast<long>(std::floor(ends_[end].x() / cell)),
+                          static_cast<long>(std::floor(ends_[end].y() / cell)));
+  };
+  std::map<std::pair<long, long>, std::vector<std::size_t>> cells;
+  for (const std::size_t end : ends) {
+    std::vector<std::size_t>& members = cells[cellOf(end)];
+    if (!members.empty()) parent_[root(end)] = root(members.front());
+    // Ends at the very same place say nothing new.
+    if (members.empty() || ends_[members.back()] != ends_[end]) members.push_back(end);
+  }
+  constexpr int kReach = 2;  // cells that a tolerance spans
+  for (const auto& [place, members] : cells) {
+    for (long x = place.first; x <= place.first + kReach; ++x) {
+      for (long y = place.second - kReach; y <= place.second + kReach; ++y) {
+        const auto other = cells.find({x, y});
+        if (other == cells.end() || std::make_pair(x, y) <= place) continue;
+        const bool close = std::any_of(members.begin(), members.end(), [&](std::size_t a) {
+          return std::any_of(other->second.begin(), other->second.end(), [&](std::size_t b) {
+            return (ends_[a] - ends_[b]).norm() <= tolerance;
+          });
+        });
+        if (close) parent_[root(other->second.front())] = root(members.front());
+      }
+    }
+  }
+}
+
+std::size_t Joints::root(std::size_t end) {
+  while (parent_[end] != end) {
+    parent_[end] = parent_[parent_[end]];
+    end = parent_[end];
+  }
+  return end;
+}
+
+void Joints::collect() {
+  members_.assign(ends_.size(), {});
+  for (std::size_t end = 0; end < ends_.size(); ++end) {
+    parent_[end] = root(end);
+    members_[parent_[end]].push_back(end);
+  }
 }
 
 std::vector<Contour> chainClosed(const std::vector<Stroke>& strokes, double tolerance) {
   const Joints joints(strokes, tolerance);
   for (std::size_t end = 0; end < joints.count(); ++end) {
-    if (joints.meeting(end).size() == 1) throwOpen(strokes, joints, end);
+    if (joints.isLoose(end)) throwOpen(strokes, joints, end);
   }
   for (std::size_t end = 0; end < joints.count(); ++end) {
     if (joints.meeting(end).size() > 2) throwBranch(strokes, joints, end);

@@ -2,13 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/drawing.h"
 
+#include "centre_marks.h"
 #include "contours.h"
+#include "drawing_units.h"
 #include "dxf_reader.h"
-#include "polygon.h"
+#include "edge_selection.h"
+#include "part_contours.h"
+#include "regular_file.h"
+#include "sheet_scale.h"
+#include "strokes.h"
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
+#include <locale>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -16,241 +22,184 @@
 namespace planar_bin_picking {
 namespace {
 
-/// Line types that draughtsmen use for what is not a visible edge.
-const std::vector<std::string> kAnnotationLinetypes = {"CENTER*", "HIDDEN*", "PHANTOM*", "DASH*",
-                                                       "ACAD_ISO*"};
+/// Far more than the drawing of a part needs, embedded pictures left aside.
+constexpr std::size_t kBytesMax = 64u << 20;
 
-/// `*` in the pattern stands for anything; both in upper case.
-bool matches(const std::string& text, const std::string& pattern, std::size_t i = 0,
-             std::size_t j = 0) {
-  for (; j < pattern.size(); ++i, ++j) {
-    if (pattern[j] == '*') {
-      for (std::size_t rest = i; rest <= text.size(); ++rest) {
-        if (matches(text, pattern, rest, j + 1)) return true;
-      }
-      return false;
-    }
-    if (i == text.size() || text[i] != pattern[j]) return false;
-  }
-  return i == text.size();
-}
-
-bool matchesAny(const std::string& text, const std::vector<std::string>& patterns) {
-  return std::any_of(patterns.begin(), patterns.end(),
-                     [&](const std::string& pattern) { return matches(text, upperCase(pattern)); });
-}
-
-/// What a block takes over from the INSERT that places it.
-struct Inherited {
-  Eigen::Affine2d placement;  ///< block -> mm
-  std::string layer = "0", linetype = "CONTINUOUS";
-  bool print = false;
-  int depth = 0;
-};
-
-/// Picks the edges and prints out of a file and places them.
-class Selection {
- public:
-  Selection(const DxfFile& file, const DrawingParams& params) : file_(file), params_(params) {}
-
-  void run() {
-    for (const UnreadableEntity& entity : file_.unreadable) {
-      if (!isWanted(upperCase(entity.layer))) continue;
-      throw std::runtime_error(entity.type + " on layer \"" + entity.layer +
-                               "\" cannot be read; explode it into lines, arcs and splines");
-    }
-    Inherited top;
-    top.placement = Eigen::Scaling(file_.mm_per_unit);
-    for (const DxfEntity& entity : file_.entities) place(entity, top);
-  }
-
-  std::vector<Stroke> edges, prints;
-  std::set<std::string> left_out;  ///< why things were left out, for the message if nothing remains
-
- private:
-  bool isSkipped(const std::string& layer) const { return matchesAny(layer, params_.skip_layers); }
-  bool isWanted(const std::string& layer) const {
-    return !isSkipped(layer) &&
-           (params_.keep_layers.empty() || matchesAny(layer, params_.keep_layers));
-  }
-
-  DxfLayer layerOf(const std::string& name) const {
-    const auto it = file_.layers.find(name);
-    return it == file_.layers.end() ? DxfLayer() : it->second;
-  }
-
-  void place(const DxfEntity& entity, const Inherited& from) {
-    if (++placed_ > 200000) {
-      throw std::runtime_error("has more than 200000 entities: no single part");
-    }
-    const std::string layer_name = entity.layer == "0" ? from.layer : entity.layer;
-    const DxfLayer layer = layerOf(layer_name);
-    const std::string linetype = entity.linetype == "BYLAYER"   ? layer.linetype
-                                 : entity.linetype == "BYBLOCK" ? from.linetype
-                                                                : entity.linetype;
-    const bool insert = entity.type == "INSERT";
-    const std::string where = "layer \"" + layer_name + "\"";
-    // A block's contents may stand on other layers: its own layer decides only what hides it whole.
-    if (layer.frozen || (layer.off && !insert)) return leaveOut(where + " is switched off");
-    if (isSkipped(layer_name)) return leaveOut(where + " is skipped");
-    if (!insert && !isWanted(layer_name)) return leaveOut(where + " is not in keep_layers");
-    if (!insert && matchesAny(linetype, kAnnotationLinetypes)) {
-      return leaveOut("line type " + linetype + " is annotation");
-    }
-    const bool print = from.print || matchesAny(layer_name, params_.print_layers);
-    if (insert)
-      return placeBlock(entity, {from.placement, layer_name, linetype, print, from.depth + 1});
-    Stroke stroke{entity.type, layer_name, {}};
-    stroke.points = flatten(entity.curve, from.placement, params_.chord_tolerance_mm);
-    if (!stroke.points.empty()) (print ? prints : edges).push_back(std::move(stroke));
-  }
-
-  void placeBlock(const DxfEntity& insert, Inherited inside) {
-    const auto block = file_.blocks.find(insert.block);
-    const std::string name =
-        "INSERT of block \"" + insert.block + "\" on layer \"" + insert.layer + "\"";
-    if (block == file_.blocks.end()) {
-      throw std::runtime_error(name + ": the block is not in the file; bind or explode it");
-    }
-    if (inside.depth > 32) throw std::runtime_error(name + " contains itself; explode it");
-    const Eigen::Affine2d outside = inside.placement;
-    for (const Eigen::Affine2d& placement : insert.placements) {
-      inside.placement = outside * placement * Eigen::Translation2d(-block->second.base_point);
-      for (const DxfEntity& entity : block->second.entities) place(entity, inside);
-    }
-  }
-
-  void leaveOut(const std::string& reason) { left_out.insert(reason); }
-
-  const DxfFile& file_;
-  const DrawingParams& params_;
-  std::size_t placed_ = 0;
-};
-
-/// Points closer than this to the one before carry no shape, only trouble.
-constexpr double kSamePointMm = 1e-4;
-
-void dropRepeated(Contour* contour) {
-  std::vector<Eigen::Vector2d> kept;
-  for (const Eigen::Vector2d& p : contour->points) {
-    if (kept.empty() || (p - kept.back()).norm() > kSamePointMm) kept.push_back(p);
-  }
-  while (contour->closed && kept.size() > 1 &&
-         (kept.front() - kept.back()).norm() <= kSamePointMm) {
-    kept.pop_back();
-  }
-  contour->points = std::move(kept);
-}
-
-void checkCrossings(const std::vector<Contour>& contours) {
-  std::vector<Polygon> polygons;
-  for (const Contour& contour : contours) polygons.push_back(contour.points);
-  const auto crossing = findCrossing(polygons, kSamePointMm);
-  if (!crossing) return;
-  const Contour &a = contours[crossing->first], &b = contours[crossing->second];
-  const std::string what =
-      crossing->first == crossing->second
-          ? "the contour with " + nameOf(a) + " crosses or touches itself"
-          : "the contours with " + nameOf(a) + " and " + nameOf(b) + " cross or touch";
-  throw std::runtime_error(
-      what + " at " + inMm(crossing->point) +
-      ". Correct the drawing, or list the layer in skip_layers if it is no edge");
-}
-
-std::string boxText(const Contour& contour) {
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector2d& p : contour.points) box.extend(p);
-  return "from " + inMm(box.min()) + " to " + inMm(box.max());
-}
-
-/// The outer contour first, the holes after it in their order.
-std::vector<Loop> classify(const std::vector<Contour>& contours) {
-  std::size_t outer = 0;
-  for (std::size_t i = 1; i < contours.size(); ++i) {
-    if (std::abs(signedArea(contours[i].points)) > std::abs(signedArea(contours[outer].points)))
-      outer = i;
-  }
-  std::vector<Loop> loops = {{LoopKind::kOuter, true, contours[outer].points}};
-  for (std::size_t i = 0; i < contours.size(); ++i) {
-    if (i == outer) continue;
-    const Eigen::Vector2d& p = contours[i].points.front();
-    if (!contains(contours[outer].points, p)) {
-      throw std::runtime_error(
-          "has several outer contours: with " + nameOf(contours[outer]) + " " +
-          boxText(contours[outer]) + ", with " + nameOf(contours[i]) + " " + boxText(contours[i]) +
-          ". Draw one part per file, or list the layer of the others in skip_layers");
-    }
-    for (std::size_t k = 0; k < contours.size(); ++k) {
-      if (k == i || k == outer || !contains(contours[k].points, p)) continue;
-      throw std::runtime_error(
-          "the contour with " + nameOf(contours[i]) + " " + boxText(contours[i]) +
-          " lies inside a hole, that with " + nameOf(contours[k]) + " " + boxText(contours[k]) +
-          ". Remove a frame around the part; list the layer of countersinks and "
-          "threads in skip_layers");
-    }
-    loops.push_back({LoopKind::kHole, true, contours[i].points});
-  }
-  for (Loop& loop : loops) {
-    const bool counter_clockwise = signedArea(loop.points) > 0.0;
-    if (counter_clockwise != (loop.kind == LoopKind::kOuter))
-      std::reverse(loop.points.begin(), loop.points.end());
-  }
-  return loops;
-}
-
-std::string nothingDrawn(const Selection& selection) {
-  std::string text = "no outline is drawn in it";
-  std::string reasons;
-  for (const std::string& reason : selection.left_out)
-    reasons += (reasons.empty() ? "" : ", ") + reason;
-  if (!reasons.empty()) text += "; what it has was left out: " + reasons;
-  return text +
-         ". Draw the outline on a visible layer with a continuous line, or name its layer in "
-         "keep_layers";
-}
-
-void checkSize(const std::vector<Contour>& contours) {
-  Eigen::AlignedBox2d box;
-  for (const Contour& contour : contours) {
-    for (const Eigen::Vector2d& p : contour.points) box.extend(p);
-  }
-  const double size = box.sizes().maxCoeff();
-  if (size >= 1.0 && size <= 10e3) return;
+std::string number(double value) {
   std::ostringstream text;
-  text << "the part would be " << size
-       << " mm large, allowed are 1 mm to 10 m; check the drawing's "
-       << "unit ($INSUNITS)";
-  throw std::runtime_error(text.str());
+  text.imbue(std::locale::classic());
+  text << value;
+  return text.str();
+}
+
+void checkParams(const DrawingParams& params) {
+  const auto check = [](const char* name, double value, double least, double most) {
+    if (value >= least && value <= most) return;
+    throw std::invalid_argument(std::string(name) + " is " + number(value) + ", must be between " +
+                                number(least) + " and " + number(most));
+  };
+  check("chord_tolerance_mm", params.chord_tolerance_mm, 1e-4, 1.0);
+  check("join_tolerance_mm", params.join_tolerance_mm, 1e-4, 5.0);
+}
+
+std::string quotedLayers(const std::vector<Stroke>& strokes) {
+  std::set<std::string> names;
+  for (const Stroke& stroke : strokes) names.insert(stroke.layer);
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "\"" : ", \"") + name + "\"";
+  return text;
+}
+
+std::string joined(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  return text;
+}
+
+/// The alphabet's order: the same file gives the same list.
+std::vector<std::string> leftOutTexts(const EdgeSelection& selection) {
+  std::vector<std::string> texts = selection.notes;
+  for (const auto& [reason, count] : selection.left_out) texts.push_back(countText(reason, count));
+  std::sort(texts.begin(), texts.end());
+  return texts;
+}
+
+/// What would make an outline of what there is.
+std::string remedyFor(const EdgeSelection& selection) {
+  static const std::vector<std::pair<const char*, const char*>> kRemedies = {
+      {"(off)", "switch its layer on"},
+      {"(frozen)", "thaw its layer"},
+      {"layer ", "name its layer in keep_layers"},
+      {"line type ", "name its layer in keep_layers"},
+      {"paper space", "draw it in model space"},
+      {"hatches", "draw the border of a hatch as lines"},
+      {"no INSERT", "insert its block"},
+      {"invisible", "make it visible"}};
+  std::vector<std::string> remedies;
+  for (const auto& [reason, count] : selection.left_out) {
+    for (const auto& [word, remedy] : kRemedies) {
+      if (reason.find(word) == std::string::npos) continue;
+      if (std::find(remedies.begin(), remedies.end(), remedy) == remedies.end())
+        remedies.push_back(remedy);
+      break;
+    }
+  }
+  if (remedies.empty()) return "Draw the outline on a visible layer with a continuous line";
+  return "If the outline is among it: " + joined(remedies);
+}
+
+[[noreturn]] void refuseNothingDrawn(const EdgeSelection& selection) {
+  std::string text = "no outline is drawn in it";
+  if (!selection.prints.empty()) {
+    throw std::runtime_error(text + ": all that it has counts as print, by the name of layer " +
+                             quotedLayers(selection.prints) +
+                             ". If these are edges, write print_layers: [] into the part file");
+  }
+  const std::vector<std::string> left_out = leftOutTexts(selection);
+  if (!left_out.empty()) text += "; what it has was left out: " + joined(left_out);
+  throw std::runtime_error(text + ". " + remedyFor(selection));
+}
+
+void warnOfLineTypes(const EdgeSelection& selection, const std::vector<Stroke>& edges,
+                     std::vector<std::string>* warnings) {
+  for (const auto& [linetype, count] : selection.unknown_linetypes) {
+    warnings->push_back(countText("line type " + linetype, count) +
+                        " read as edges; the file does not define it");
+  }
+  std::map<std::string, std::size_t> kept;
+  for (const Stroke& stroke : edges) {
+    if (!stroke.annotation.empty()) ++kept["line type " + stroke.annotation];
+  }
+  for (const auto& [linetype, count] : kept)
+    warnings->push_back(countText(linetype, count) + " read as edges, because of keep_layers");
+}
+
+/// A pose is that of the drawing's origin: far from it, a small error of its angle moves the part.
+void warnOfDistance(const Contour& outer, std::vector<std::string>* warnings) {
+  constexpr double kFarMm = 100e3;
+  const double distance = boxOf(outer.points).exteriorDistance(Eigen::Vector2d::Zero().eval());
+  if (distance <= kFarMm) return;
+  warnings->push_back("the outline is " + number(std::round(1e-3 * distance)) +
+                      " m from the drawing's origin, which is where the part's pose is given; move "
+                      "it to the origin");
+}
+
+/// A file that states no unit, of a part that would be large in inches and is small in mm.
+void warnOfSize(const DxfHeader& header, const std::string& told, const Contour& outer,
+                std::vector<std::string>* warnings) {
+  constexpr double kSmallMm = 12.0;
+  const double size = boxOf(outer.points).sizes().maxCoeff();
+  if (!told.empty() || header.insunits.value_or(0) != 0 || size >= kSmallMm) return;
+  warnings->push_back("the file states no unit ($INSUNITS): read as mm, the part is " +
+                      number(size) +
+                      " mm large; if it is drawn in inches, write units: inch into the part file");
 }
 
 /// A print beside the part is none: a title, or another part's.
 void checkOnPart(const Contour& print, const Loop& outer) {
   constexpr double kMarginMm = 1.0;  // half a stroke may hang over
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector2d& p : outer.points) box.extend(p);
+  const Eigen::AlignedBox2d box = boxOf(outer.points);
   for (const Eigen::Vector2d& p : print.points) {
     if (box.exteriorDistance(p) <= kMarginMm) continue;
-    throw std::runtime_error("the print with " + nameOf(print) + " " + boxText(print) +
+    throw std::runtime_error("the print with " + nameOf(print) + " " + boxText(print.points) +
                              " is not on the part. List its layer in skip_layers");
   }
 }
 
-Drawing assemble(const DxfFile& file, const DrawingParams& params) {
-  Selection selection(file, params);
-  selection.run();
-  const double tolerance = params.join_tolerance_mm;
-  const std::vector<Stroke> edges = withoutDuplicates(selection.edges, tolerance);
-  if (edges.empty()) throw std::runtime_error(nothingDrawn(selection));
+/// The edges of the part alone: without what is drawn twice, marks and crumbs.
+std::vector<Stroke> partEdges(EdgeSelection* selection, double tolerance) {
+  CleanStrokes clean = cleanStrokes(selection->edges, tolerance);
+  const auto leaveOut = [&](const std::string& reason, std::size_t count) {
+    if (count > 0) selection->left_out[reason] += count;
+  };
+  leaveOut("drawn twice", clean.twice);
+  leaveOut("shorter than the join tolerance", clean.crumbs);
+  for (const auto& [linetype, count] : dropLooseAnnotation(&clean.strokes, tolerance))
+    leaveOut("line type " + linetype, count);
+  leaveOut("centre marks", dropCentreMarks(&clean.strokes, tolerance));
+  return std::move(clean.strokes);
+}
+
+std::vector<Contour> contoursOf(const std::vector<Stroke>& edges, double tolerance) {
   std::vector<Contour> contours = chainClosed(edges, tolerance);
-  for (Contour& contour : contours) dropRepeated(&contour);
+  for (Contour& contour : contours) {
+    const Eigen::Vector2d somewhere = contour.points.front();
+    smooth(&contour, tolerance);
+    if (contour.points.size() >= 3) continue;
+    throw std::runtime_error("the contour with " + nameOf(contour) + " at " + inMm(somewhere) +
+                             " encloses nothing. Delete it, or list its layer in skip_layers");
+  }
   checkSize(contours);
   checkCrossings(contours);
-  Drawing drawing{classify(contours)};
-  for (Contour& print : chainAny(withoutDuplicates(selection.prints, tolerance), tolerance)) {
-    dropRepeated(&print);
-    checkOnPart(print, drawing.loops.front());
-    drawing.loops.push_back({LoopKind::kPrint, print.closed, std::move(print.points)});
+  return contours;
+}
+
+void appendPrints(const EdgeSelection& selection, double tolerance, std::vector<Loop>* loops) {
+  for (Contour& print : chainAny(cleanStrokes(selection.prints, tolerance).strokes, tolerance)) {
+    smooth(&print, tolerance);
+    checkOnPart(print, loops->front());
+    loops->push_back({LoopKind::kPrint, print.closed, std::move(print.points)});
   }
+}
+
+Drawing assemble(const DxfFile& file, const DrawingParams& params) {
+  Drawing drawing;
+  const DrawingUnit unit = unitOf(file.header, params.units, &drawing.warnings);
+  drawing.units = unit.name;
+  const double scale = sheetScale(file, unit.mm, &drawing.warnings);
+  EdgeSelection selection = selectEdges(file, params, scale * unit.mm);
+  const double tolerance = params.join_tolerance_mm;
+  const std::vector<Stroke> edges = partEdges(&selection, tolerance);
+  if (edges.empty()) refuseNothingDrawn(selection);
+  warnOfLineTypes(selection, edges, &drawing.warnings);
+  const std::vector<Contour> contours = contoursOf(edges, tolerance);
+  checkPassedOver(selection.passed_over, contours, tolerance, &drawing.warnings);
+  drawing.loops = classify(contours);
+  const Contour outer{"", "", true, drawing.loops.front().points};
+  warnOfSize(file.header, params.units, outer, &drawing.warnings);
+  warnOfDistance(outer, &drawing.warnings);
+  appendPrints(selection, tolerance, &drawing.loops);
+  drawing.left_out = leftOutTexts(selection);
   for (Loop& loop : drawing.loops) {
     for (Eigen::Vector2d& p : loop.points) p *= 1e-3;
   }
@@ -269,8 +218,10 @@ double lengthOf(const Loop& loop) {
 }
 
 Drawing loadDrawing(const std::string& path, const DrawingParams& params) {
+  checkParams(params);
+  const std::string content = readRegularFile(path, kBytesMax);
   try {
-    return assemble(readDxf(path), params);
+    return assemble(readDxf(content), params);
   } catch (const std::runtime_error& e) {
     throw std::runtime_error(path + ": " + e.what());
   }

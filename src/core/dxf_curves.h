@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <cstddef>
 #include <functional>
 #include <vector>
 
@@ -16,6 +17,8 @@ namespace planar_bin_picking {
 struct Curve {
   std::vector<double> breaks;  ///< ascending parameters, two or more; empty = no curve
   std::function<Eigen::Vector2d(double)> at;
+  bool closed = false;                   ///< drawn as closed: it ends where it begins
+  std::vector<Eigen::Vector2d> centers;  ///< of its arcs
 };
 
 /// A point of a polyline; `bulge` is the tangent of a quarter of the angle of the arc to the next
@@ -37,7 +40,7 @@ struct SplineData {
 Curve makeLine(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
 
 /// center + major cos(t) + minor sin(t) for t from `start` to `end`, counter-clockwise in that
-/// sense; equal angles make the full ellipse.
+/// sense; angles that are equal but for full turns make the full ellipse, equal angles no curve.
 Curve makeEllipse(const Eigen::Vector2d& center, const Eigen::Vector2d& major,
                   const Eigen::Vector2d& minor, double start, double end);
 
@@ -50,7 +53,9 @@ Curve makePolyline(std::vector<BulgeVertex> vertices, bool closed);
 Curve makeSpline(const SplineData& spline);
 
 /// The curve, placed, as a polyline that stays within `tolerance` of it.
+/// @param points_max  more than these are refused before they are computed
+/// @throws std::runtime_error  too many points; a point that is no place on earth
 std::vector<Eigen::Vector2d> flatten(const Curve& curve, const Eigen::Affine2d& placement,
-                                     double tolerance);
+                                     double tolerance, std::size_t points_max);
 
 }  // namespace planar_bin_picking

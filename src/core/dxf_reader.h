@@ -2,13 +2,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// DXF file -> its layers, blocks and curves as they stand in the file: nothing is left out by
-/// layer, placed or chained yet. The file itself is parsed by dxflib.
+/// DXF file -> its layers, line types, blocks and entities as they stand in the file: nothing is
+/// left out by layer, placed or chained yet. What is wrong with an entity is kept with it, since it
+/// matters only if the entity belongs to the part.
 
 #include "dxf_curves.h"
+#include "dxf_names.h"
 #include "dxf_text.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,38 +23,74 @@ namespace planar_bin_picking {
 
 struct DxfLayer {
   bool off = false, frozen = false;
-  std::string linetype;  ///< upper case
+  std::string linetype;
 };
 
-/// A curve, or a reference to a block. DXF names do not tell case apart: all are upper case.
+enum class DxfKind : std::uint8_t {
+  kCurve,
+  kInsert,
+  kUnreadable,  ///< may be part of a contour, but what it looks like is not in the file
+  kText,        ///< text and dimensions
+  kHatch,
+  kOther  ///< nothing that could be an edge: points, images, viewports, ...
+};
+
+/// What an INSERT says: the block as often as there are rows and columns.
+struct DxfInsert {
+  std::string block;
+  Eigen::Affine2d placement = Eigen::Affine2d::Identity();  ///< parent <- first row and column
+  Eigen::Vector2d column = Eigen::Vector2d::Zero(), row = Eigen::Vector2d::Zero();  ///< in parent
+  int columns = 1, rows = 1;
+};
+
+/// What a linear DIMENSION says, and what it stands for.
+struct DxfDimension {
+  std::string style;
+  double drawn = 0.0;              ///< drawing units
+  std::optional<double> measured;  ///< group 42
+  std::optional<double> written;   ///< in place of the measured value
+  std::optional<double> factor;    ///< $DIMLFAC of this dimension alone
+};
+
+/// Names keep the spelling of the file; compare them by upperCase().
 struct DxfEntity {
+  DxfKind kind = DxfKind::kOther;
   std::string type;  ///< LINE, ARC, ...
-  std::string layer;
-  std::string linetype;  ///< may be BYLAYER or BYBLOCK
-  Curve curve;           ///< not of an INSERT
-  std::string block;     ///< of an INSERT: what it inserts
-  std::vector<Eigen::Affine2d>
-      placements;  ///< of an INSERT: one per row and column, parent <- block
+  std::string layer = "0";
+  std::string linetype = "BYLAYER";  ///< may be BYBLOCK
+  bool invisible = false, on_paper = false;
+  std::string fault;  ///< why it cannot be read; empty = nothing is wrong
+  Curve curve;
+  /// How much shorter it looks for its plane being tilted, as a share of its size.
+  double tilt = 0.0;
+  std::shared_ptr<const DxfInsert> insert;  ///< of an INSERT that has no fault
 };
 
 struct DxfBlock {
+  std::string name;
+  std::string external;  ///< the file that an external reference names; empty = no reference
   Eigen::Vector2d base_point = Eigen::Vector2d::Zero();
-  std::vector<DxfEntity> entities;
+  std::deque<DxfEntity> entities;
 };
 
+/// A drawing's header, as far as it matters here.
+struct DxfHeader {
+  std::optional<int> insunits, measurement;
+  double dimension_factor = 1.0;  ///< $DIMLFAC
+};
+
+/// Maps go by upperCase() of the name.
 struct DxfFile {
-  double mm_per_unit = 1.0;
+  DxfHeader header;
   std::map<std::string, DxfLayer> layers;
+  std::map<std::string, bool> dashed_linetypes;     ///< whether the table's pattern has gaps
+  std::map<std::string, double> dimension_factors;  ///< by DIMSTYLE
   std::map<std::string, DxfBlock> blocks;
-  std::vector<DxfEntity> entities;
-  std::vector<UnreadableEntity> unreadable;
+  std::deque<DxfEntity> entities;
+  std::vector<DxfDimension> dimensions;  ///< linear ones in model space
 };
 
-std::string upperCase(std::string text);
-
-/// @throws std::runtime_error  as readDxfText; also an unknown unit, an entity that does not lie in
-/// the
-///         xy plane or whose numbers do not fit together. Names the entity, not the file.
-DxfFile readDxf(const std::string& path);
+/// @throws std::runtime_error  no whole DXF file; too many entities. Names the line, not the file.
+DxfFile readDxf(std::string_view content);
 
 }  // namespace planar_bin_picking

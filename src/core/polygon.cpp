@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "polygon.h"
 
+#include "box_tree.h"
+
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 namespace planar_bin_picking {
@@ -59,17 +60,13 @@ std::optional<Eigen::Vector2d> meet(Side s, Side t, const std::vector<Polygon>& 
   return sharedPoint(s, t, tolerance);
 }
 
-std::vector<Side> sidesFromLeft(const std::vector<Polygon>& polygons) {
+std::vector<Side> sidesOf(const std::vector<Polygon>& polygons) {
   std::vector<Side> sides;
   for (std::size_t k = 0; k < polygons.size(); ++k) {
     for (std::size_t i = 0; i < polygons[k].size(); ++i) {
       sides.push_back({k, i, polygons[k][i], polygons[k][(i + 1) % polygons[k].size()]});
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& s, const Side& t) {
-    const double xs = std::min(s.a.x(), s.b.x()), xt = std::min(t.a.x(), t.b.x());
-    return std::tie(xs, s.polygon, s.index) < std::tie(xt, t.polygon, t.index);
-  });
   return sides;
 }
 
@@ -113,23 +110,26 @@ double distanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& a,
 }
 
 std::optional<Crossing> findCrossing(const std::vector<Polygon>& polygons, double tolerance) {
-  // Sides in the order of their left ends: only those that overlap in x are compared.
-  const std::vector<Side> sides = sidesFromLeft(polygons);
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const Side& s = sides[i];
-    const double right = std::max(s.a.x(), s.b.x()) + tolerance;
-    const double low = std::min(s.a.y(), s.b.y()) - tolerance;
-    const double high = std::max(s.a.y(), s.b.y()) + tolerance;
-    for (std::size_t j = i + 1; j < sides.size(); ++j) {
-      const Side& t = sides[j];
-      if (std::min(t.a.x(), t.b.x()) > right) break;
-      if (std::min(t.a.y(), t.b.y()) > high || std::max(t.a.y(), t.b.y()) < low) continue;
-      if (const auto point = meet(s, t, polygons, tolerance)) {
-        return Crossing{std::min(s.polygon, t.polygon), std::max(s.polygon, t.polygon), *point};
-      }
-    }
+  const std::vector<Side> sides = sidesOf(polygons);
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (const Side& s : sides) {
+    boxes.emplace_back(s.a.cwiseMin(s.b), s.a.cwiseMax(s.b));
   }
-  return std::nullopt;
+  const BoxTree tree(boxes);
+  std::optional<Crossing> found;
+  for (std::size_t i = 0; i < sides.size() && !found; ++i) {
+    const Side& s = sides[i];
+    const Eigen::AlignedBox2d around(boxes[i].min().array() - tolerance,
+                                     boxes[i].max().array() + tolerance);
+    tree.any(around, [&](std::size_t j) {
+      if (j <= i) return false;
+      const Side& t = sides[j];
+      if (const auto point = meet(s, t, polygons, tolerance))
+        found = Crossing{std::min(s.polygon, t.polygon), std::max(s.polygon, t.polygon), *point};
+      return found.has_value();
+    });
+  }
+  return found;
 }
 
 }  // namespace planar_bin_picking

@@ -34,6 +34,8 @@ struct Crossing {
 
 /// The first crossing found, if any. Neighbouring sides may meet in their common point only.
 /// @param tolerance  sides closer than this touch
+/// @throws std::runtime_error  so many sides lie so close together that it would take too long
+/// Cost: near O(n log n), wherever the sides lie
 std::optional<Crossing> findCrossing(const std::vector<Polygon>& polygons, double tolerance);
 
 }  // namespace planar_bin_picking

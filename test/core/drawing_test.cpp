@@ -174,8 +174,8 @@ TEST_F(DrawingContours, RefusesEmptyDrawingsAndSaysWhatWasLeftOut) {
   DxfWriter skipped;
   skipped.layer("OFF", -1).rectangle(0, 0, 9, 9, "TITLE").rectangle(0, 0, 9, 9, "OFF");
   skipped.entity("LINE", "CUT", {{6, "HIDDEN"}, {10, 0}, {20, 0}, {11, 9}, {21, 0}});
-  EXPECT_TRUE(refused(skipped, {"no outline", "\"TITLE\" is skipped", "\"OFF\" is switched off",
-                                "HIDDEN", "keep_layers"}));
+  EXPECT_TRUE(refused(skipped, {"no outline", "layer TITLE: 1 entity", "layer OFF (off): 1 entity",
+                                "line type HIDDEN: 1 entity", "keep_layers"}));
 }
 
 TEST_F(DrawingContours, RefusesBranches) {

@@ -178,7 +178,7 @@ TEST_F(DxfReader, InterpolatesFitPoints) {
 }
 
 TEST_F(DxfReader, ForgetsOneSplineBeforeTheNext) {
-  DxfWriter dxf;  // dxflib keeps the counts of the entity before where a file leaves them out
+  DxfWriter dxf;  // counts that a file leaves out are not those of the entity before
   dxf.entity("SPLINE", "CUT", fitGroups(1, {{0, 0}, {40, 0}, {40, 40}, {0, 40}}));
   dxf.entity("SPLINE", "CUT",
              splineGroups(5, 1, {0, 0, 1, 2, 3, 4, 4},
