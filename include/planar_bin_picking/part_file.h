@@ -34,6 +34,7 @@ struct PartFile {
   double thickness = 0.0;            ///< metres; 0 where unknown
   std::vector<PickPose> pick_poses;  ///< in order of preference
   PickTool tool;
+  std::vector<std::string> warnings;  ///< about pick poses; those of the drawing stand in `drawing`
 };
 
 /// Reads `<name>.yaml` (keys: drawing, thickness_mm, keep_layers, skip_layers, print_layers,

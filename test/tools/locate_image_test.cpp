@@ -4,61 +4,27 @@
 // Runs the program itself, as a user does: its exit status, what it prints and what it writes.
 
 #include "support/dxf_writer.h"
-#include "support/temp_dir.h"
-
-#include <gtest/gtest.h>
-#include <sys/wait.h>
+#include "support/tool_test.h"
 
 #include <yaml-cpp/yaml.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <sstream>
 
 namespace planar_bin_picking {
 namespace {
 
-class LocateImage : public testing::Test {
+class LocateImage : public ToolTest {
  protected:
-  LocateImage() {
+  LocateImage() : ToolTest(LOCATE_IMAGE) {
     const std::string package = PACKAGE_DIR, scene = package + "/test/data/bin_bracket_00";
     part_ = "--part " + package + "/config/parts/bracket.yaml";
     camera_ = "--camera " + scene + "/camera_info.yaml";
     image_ = "--image " + scene + "/image.png";
   }
 
-  /// Runs the program; what it printed is in out_ and error_ afterwards.
-  int run(const std::string& arguments) {
-    const std::string out = dir_.path("out.txt"), error = dir_.path("error.txt");
-    const int status = std::system(
-        (std::string(LOCATE_IMAGE) + " " + arguments + " >" + out + " 2>" + error).c_str());
-    out_ = read(out);
-    error_ = read(error);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  static std::string read(const std::string& path) {
-    std::ifstream file(path);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
-
-  /// Refused with status 2 and one line that holds all of `words`.
-  testing::AssertionResult refused(const std::string& arguments,
-                                   const std::vector<std::string>& words) {
-    const int status = run(arguments);
-    bool good = status == 2 && out_.empty() && std::count(error_.begin(), error_.end(), '\n') == 1;
-    for (const std::string& word : words) good = good && error_.find(word) != std::string::npos;
-    return (good ? testing::AssertionSuccess() : testing::AssertionFailure())
-           << "status " << status << ", says: " << error_;
-  }
-
-  TempDir dir_;
-  std::string part_, camera_, image_, out_, error_;
+  std::string part_, camera_, image_;
   const std::string distances_ = "--distance-min 0.785 --distance-max 0.98";
 };
 
