@@ -11,7 +11,12 @@
 
 namespace planar_bin_picking {
 
-/// @throws std::runtime_error  file unreadable, not YAML, or not a map at its top
+/// Whoever walks the tree that this returns, following aliases, comes to an end.
+/// @throws std::runtime_error  no regular file, too large, unreadable, not YAML, nested too deep or
+///         within itself, too many values (aliases written out)
+YAML::Node loadYaml(const std::string& path);
+
+/// @throws std::runtime_error  as loadYaml, or not a map at its top, or one of its keys twice
 YAML::Node loadYamlMap(const std::string& path);
 
 /// Refuses keys that nobody reads: most are typing errors.

@@ -119,6 +119,10 @@ TEST_F(LoadParams, KeepsDefaultsOfWhatIsNotWritten) {
   EXPECT_EQ(valuesOf(load("score: {threshold: 0.625}\n")), expected);
 }
 
+TEST_F(LoadParams, RefusesWhatStandsWithinItself) {
+  EXPECT_TRUE(refused("score: &it {threshold: *it}\n", {"alias"}));
+}
+
 TEST_F(LoadParams, NamesTheKeyOfWhatIsWrong) {
   EXPECT_TRUE(
       refused("score:\n  treshold: 0.7\n", {"unknown key", "score/treshold", "score/threshold"}));
