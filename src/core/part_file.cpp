@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/part_file.h"
 
+#include "pick_check.h"
 #include "yaml_file.h"
 
 #include <algorithm>
@@ -66,6 +67,8 @@ PickPose readPickPose(const YAML::Node& node, const std::string& where) {
                                Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
                                Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
                                   .toRotationMatrix();
+  const std::string wrong = wrongDirection(pick);
+  if (!wrong.empty()) throw std::runtime_error(where + " (" + pick.name + "): " + wrong);
   return pick;
 }
 
@@ -105,15 +108,88 @@ DrawingParams readDrawingParams(const YAML::Node& root, const std::string& path)
   read("keep_layers", &params.keep_layers);
   read("skip_layers", &params.skip_layers);
   read("print_layers", &params.print_layers);
+  if (root["units"]) {
+    const std::string expected = "mm, cm, m or inch";
+    params.units = valueAs<std::string>(root["units"], path, "units", expected);
+    if (params.units != "mm" && params.units != "cm" && params.units != "m" &&
+        params.units != "inch") {
+      throwBadValue(path, "units", root["units"], expected);
+    }
+  }
+  if (root["join_tolerance_mm"]) {
+    // From what drawing programs round to, to what would close slots and small holes.
+    const std::string expected = "between 0.001 and 5";
+    const double value =
+        valueAs<double>(root["join_tolerance_mm"], path, "join_tolerance_mm", expected);
+    if (!(value >= 0.001 && value <= 5.0))
+      throwBadValue(path, "join_tolerance_mm", root["join_tolerance_mm"], expected);
+    params.join_tolerance_mm = value;
+  }
   return params;
+}
+
+/// A path may look as if it stayed in the folder and lead elsewhere through a link; what lies there
+/// is none of a part's business, not even in a message.
+void refuseOutside(const fs::path& path, const fs::path& folder, const std::string& what) {
+  std::error_code error;
+  const fs::path here = folder.empty() ? fs::path(".") : folder;
+  const fs::path root = fs::weakly_canonical(fs::absolute(here), error);
+  const fs::path target = error ? fs::path() : fs::weakly_canonical(fs::absolute(path), error);
+  const bool inside =
+      !error &&
+      std::mismatch(root.begin(), root.end(), target.begin(), target.end()).first == root.end();
+  if (inside) return;
+  throw std::runtime_error(what + " leads out of the folder " + here.string() +
+                           "; put the file itself into that folder");
+}
+
+void refuseMissing(const fs::path& path, const std::string& what, const std::string& remedy) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found)
+    throw std::runtime_error(what + " does not exist; " + remedy);
+  if (error)
+    throw std::runtime_error(what + " cannot be read (" + error.message() + "); " + remedy);
+  if (!fs::is_regular_file(status)) {
+    throw std::runtime_error(what + " is no regular file but a folder, a pipe or a device; " +
+                             remedy);
+  }
+}
+
+const std::vector<std::string> kKeys = {
+    "drawing",     "thickness_mm", "units",      "join_tolerance_mm", "keep_layers",
+    "skip_layers", "print_layers", "pick_poses", "tool_radius_mm",    "tool_height_mm"};
+
+/// Other files of this package that may lie in the same folder, by a key that each must have.
+const std::vector<std::pair<std::string, std::string>> kOtherFiles = {
+    {"detections", "a result of locate_image"},
+    {"camera_matrix", "a camera's calibration"},
+    {"K", "a printed CameraInfo message"},
+    {"child_frame", "a hand-eye transform"},
+    {"verdict", "the report of a calibration"}};
+
+YAML::Node loadPartYaml(const std::string& path) {
+  const std::string remedy = "; a part file has the key drawing, or leave it out of the parts";
+  const YAML::Node root = loadYaml(path);
+  if (!root.IsMap()) {
+    const char* what = root.IsSequence() ? "it is a list" : "it has no \"key: value\" lines";
+    throw NoPartFile(path + ": is no part file, " + what + remedy);
+  }
+  const bool any = std::any_of(kKeys.begin(), kKeys.end(),
+                               [&](const std::string& key) { return root[key].IsDefined(); });
+  for (const auto& [key, what] : kOtherFiles) {
+    if (!any && root[key]) throw NoPartFile(path + ": is no part file but " + what + remedy);
+  }
+  if (!any)
+    throw NoPartFile(path + ": is no part file, it has none of a part file's keys" + remedy);
+  refuseRepeatedKeys(root, path);
+  refuseUnknownKeys(root, path, kKeys);
+  return root;
 }
 
 PartFile loadYamlPart(const fs::path& path) {
   const std::string name = path.string();
-  const YAML::Node root = loadYamlMap(name);
-  refuseUnknownKeys(root, name,
-                    {"drawing", "thickness_mm", "keep_layers", "skip_layers", "print_layers",
-                     "pick_poses", "tool_radius_mm", "tool_height_mm"});
+  const YAML::Node root = loadPartYaml(name);
   PartFile part;
   const auto drawing =
       valueAs<std::string>(root["drawing"], name, "drawing", "a DXF file beside this one");
@@ -122,35 +198,72 @@ PartFile loadYamlPart(const fs::path& path) {
   part.tool.height = readMillimetres(root, "tool_height_mm", "(no end)", name);
   if (root["pick_poses"]) part.pick_poses = readPickPoses(root["pick_poses"], name);
   const DrawingParams params = readDrawingParams(root, name);
-  const fs::path drawing_path = path.parent_path() / drawing;
-  if (!fs::is_regular_file(drawing_path)) {
-    throw std::runtime_error(name + ": drawing " + drawing_path.string() +
-                             " does not exist; the path is relative to this file");
-  }
+  const fs::path folder = path.parent_path(), drawing_path = folder / drawing;
+  refuseOutside(drawing_path, folder, name + ": drawing " + inOneLine(root["drawing"]));
+  refuseMissing(drawing_path, name + ": drawing " + drawing_path.string(),
+                "the path is relative to this file");
   part.drawing = loadDrawing(drawing_path.string(), params);
+  part.warnings = pickWarnings(part);
   return part;
+}
+
+/// Part files of that stem in that folder: whether .yaml or .yml, in capitals or not.
+std::vector<fs::path> partFilesBeside(const fs::path& given) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  const fs::path folder = given.has_parent_path() ? given.parent_path() : fs::path(".");
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (isYaml(it->path()) && it->path().stem() == given.stem())
+      found.push_back(given.parent_path() / it->path().filename());
+  }
+  if (error) {
+    throw std::runtime_error(folder.string() + ": cannot be read (" + error.message() +
+                             "), and a part file may lie there");
+  }
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 }  // namespace
 
 PartFile loadPartFile(const std::string& path) {
   const fs::path given(path);
-  if (!fs::is_regular_file(given))
-    throw std::runtime_error(path + ": does not exist; give a part's .yaml or .dxf");
-  if (!isYaml(given) && extensionOf(given) != ".dxf") {
-    throw std::runtime_error(path + ": is no part; give a part's .yaml or .dxf");
+  const std::string remedy = "give a part's .yaml or .dxf";
+  if (path.empty()) throw std::runtime_error("the path of a part is empty; " + remedy);
+  const fs::path folder = given.parent_path();
+  refuseOutside(given, folder, path + ":");
+  refuseMissing(given, path + ":", remedy);
+  if (!isYaml(given) && extensionOf(given) != ".dxf")
+    throw std::runtime_error(path + ": is no part; " + remedy);
+  const std::vector<fs::path> beside = partFilesBeside(given);
+  if (beside.size() > 1) {
+    throw std::runtime_error(path + ": part \"" + given.stem().string() +
+                             "\" has two part files, " + beside[0].string() + " and " +
+                             beside[1].string() + "; keep one");
   }
   PartFile part;
-  const fs::path yaml = fs::path(given).replace_extension(".yaml");
   if (isYaml(given)) {
     part = loadYamlPart(given);
-  } else if (fs::is_regular_file(yaml)) {
-    part = loadYamlPart(yaml);
+  } else if (!beside.empty()) {
+    refuseOutside(beside[0], folder, beside[0].string() + ":");
+    refuseMissing(beside[0], beside[0].string() + ":", remedy);
+    part = loadYamlPart(beside[0]);
   } else {
     part.drawing = loadDrawing(path);
   }
   part.name = given.stem().string();
   return part;
+}
+
+std::optional<std::string> drawingNamedBy(const std::string& part_file) {
+  try {
+    const YAML::Node root = loadPartYaml(part_file);
+    std::string drawing;
+    if (!root["drawing"] || !convert(root["drawing"], &drawing)) return std::nullopt;
+    return (fs::path(part_file).parent_path() / drawing).lexically_normal().string();
+  } catch (const std::runtime_error&) {
+    return std::nullopt;  // loading it says why
+  }
 }
 
 }  // namespace planar_bin_picking

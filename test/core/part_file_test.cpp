@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/part_file.h"
 
+#include "planar_bin_picking/part_model.h"
 #include "support/dxf_writer.h"
 #include "support/matchers.h"
 #include "support/temp_dir.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 namespace planar_bin_picking {
 namespace {
@@ -69,15 +71,15 @@ TEST_F(PartFileTest, ReadsPickPoses) {
   const PartFile part = load(
       "drawing: plate.dxf\n"
       "pick_poses:\n"
-      "  - {name: middle, position_mm: [20, 10, 0]}\n"
-      "  - {name: edge, position_mm: [1, -2, 3.5], rpy_deg: [180, 0, 90], face: back}\n");
+      "  - {name: middle, position_mm: [20, 10, 0], face: back}\n"
+      "  - {name: edge, position_mm: [1, -2, 3.5], rpy_deg: [180, 0, 90], face: front}\n");
   ASSERT_EQ(part.pick_poses.size(), 2u);
   EXPECT_EQ(part.pick_poses[0].name, "middle");
-  EXPECT_EQ(part.pick_poses[0].face, FaceFilter::kAny);
+  EXPECT_EQ(part.pick_poses[0].face, FaceFilter::kBack);
   Eigen::Isometry3d expected = Eigen::Isometry3d::Identity();
   expected.translation() << 0.020, 0.010, 0.0;
   EXPECT_TRUE(isometryNear(part.pick_poses[0].T_part_pick, expected, 1e-12, 1e-9));
-  EXPECT_EQ(part.pick_poses[1].face, FaceFilter::kBack);
+  EXPECT_EQ(part.pick_poses[1].face, FaceFilter::kFront);
   // Roll first, then yaw: the tool's x along the part's y, its z into the part.
   expected.translation() << 0.001, -0.002, 0.0035;
   expected.linear().col(0) = Eigen::Vector3d::UnitY();
@@ -98,16 +100,16 @@ TEST_F(PartFileTest, ReadsTheTool) {
 
 TEST_F(PartFileTest, PickPosesAreSymmetricUnlessToldOtherwise) {
   const PartFile part = load(
-      "drawing: plate.dxf\npick_poses:\n  - {name: a, position_mm: [0, 0, 0]}\n"
-      "  - {name: b, position_mm: [1, 0, 0], symmetric: false}\n");
+      "drawing: plate.dxf\npick_poses:\n  - {name: a, position_mm: [0, 0, 0], face: back}\n"
+      "  - {name: b, position_mm: [1, 0, 0], face: back, symmetric: false}\n");
   EXPECT_TRUE(part.pick_poses.at(0).symmetric);
   EXPECT_FALSE(part.pick_poses.at(1).symmetric);
 }
 
 TEST_F(PartFileTest, RollPitchYawAreAboutFixedAxes) {
   const PartFile part = load(
-      "drawing: plate.dxf\npick_poses: [{name: a, position_mm: [0, 0, 0], rpy_deg: [10, 20, "
-      "30]}]\n");
+      "drawing: plate.dxf\npick_poses: [{name: a, face: back, position_mm: [0, 0, 0], "
+      "rpy_deg: [10, 20, 30]}]\n");
   const Eigen::Matrix3d expected = (Eigen::AngleAxisd(30 * kPi / 180, Eigen::Vector3d::UnitZ()) *
                                     Eigen::AngleAxisd(20 * kPi / 180, Eigen::Vector3d::UnitY()) *
                                     Eigen::AngleAxisd(10 * kPi / 180, Eigen::Vector3d::UnitX()))
@@ -128,7 +130,7 @@ TEST_F(PartFileTest, NamesTheKeyOfWhatIsWrong) {
       refused("drawing: plate.dxf\nskip_layers: TITLE\n", {"skip_layers", "TITLE", "a list"}));
   EXPECT_TRUE(refused("drawing: other.dxf\n", {"other.dxf", "does not exist"}));
   EXPECT_TRUE(refused("drawing: [plate.dxf]\n", {"drawing"}));
-  EXPECT_TRUE(refused("- drawing\n", {"key"}));
+  EXPECT_TRUE(refused("- drawing\n", {"no part file", "list"}));
 }
 
 TEST_F(PartFileTest, NamesWhatIsWrongInPickPoses) {
@@ -147,8 +149,225 @@ TEST_F(PartFileTest, NamesWhatIsWrongInPickPoses) {
   EXPECT_TRUE(wrong("[{name: a@2, position_mm: [0, 0, 0]}]", {"name", "a@2"}));
   EXPECT_TRUE(wrong("[{name: a, position_mm: [0, 0, 0], rpy: [0, 0, 0]}]",
                     {"unknown key", "\"rpy\"", "rpy_deg"}));
-  EXPECT_TRUE(wrong("[{name: a, position_mm: [0, 0, 0]}, {name: a, position_mm: [0, 0, 0]}]",
-                    {"pick_poses[1]", "\"a\"", "twice"}));
+  EXPECT_TRUE(
+      wrong("[{name: a, face: back, position_mm: [0, 0, 0]}, {name: a, face: back, "
+            "position_mm: [0, 0, 0]}]",
+            {"pick_poses[1]", "\"a\"", "twice"}));
+}
+
+TEST_F(PartFileTest, APickPosePointsIntoThePart) {
+  const auto pick = [](const std::string& rest) {
+    return "drawing: plate.dxf\npick_poses: [{name: cup, position_mm: [20, 10, 0], " + rest +
+           "}]\n";
+  };
+  // Upright, the tool would come out of the front; only the back is taken so.
+  EXPECT_TRUE(refused(pick("face: front"), {"pick_poses[0]", "cup", "front is up",
+                                            "[0.000, 0.000, 1.000]", "rpy_deg: [180, 0, 0]"}));
+  EXPECT_TRUE(refused(pick("face: back, rpy_deg: [180, 0, 0]"),
+                      {"cup", "back is up", "-1.000", "rpy_deg: [0, 0, 0]"}));
+  EXPECT_EQ(load(pick("face: front, rpy_deg: [180, 0, 0]")).warnings.size(), 0u);
+  EXPECT_EQ(load(pick("face: back")).warnings.size(), 0u);
+  // One z cannot point into both faces.
+  EXPECT_TRUE(refused(pick("symmetric: true"), {"cup", "front is up", "say face: back"}));
+  EXPECT_TRUE(refused(pick("rpy_deg: [180, 0, 0]"), {"cup", "back is up", "say face: front"}));
+  EXPECT_TRUE(refused(pick("face: any"), {"cup", "say face: back"}));
+  // Slanted, but into it; along the face is not into it.
+  EXPECT_NO_THROW(load(pick("face: front, rpy_deg: [180, 60, 0]")));
+  EXPECT_NO_THROW(load(pick("face: front, rpy_deg: [91, 0, 0]")));
+  EXPECT_TRUE(refused(pick("face: front, rpy_deg: [90, 0, 0]"), {"cup", "[180, 0, 0]"}));
+  EXPECT_TRUE(refused(pick("face: front, rpy_deg: [89, 0, 0]"), {"cup"}));
+  EXPECT_TRUE(refused(pick("rpy_deg: [90, 0, 0]"), {"cup", "face: front"}));
+  EXPECT_NO_THROW(load(pick("face: back, rpy_deg: [89, 0, 0]")));
+  EXPECT_TRUE(refused(pick("face: back, rpy_deg: [90, 0, 0]"), {"cup", "[0, 0, 0]"}));
+}
+
+/// Their copies are turns of the part, and so are right where the given ones are.
+TEST_F(PartFileTest, SoDoTheCopiesThatSymmetryMakes) {
+  dir_.write("disk.dxf", DxfWriter().circle(10, 0, 20).circle(10, 0, 4).text());
+  const PartModel part(loadPartFile(dir_.write(
+      "disk.yaml",
+      "drawing: disk.dxf\nthickness_mm: 2\npick_poses: [{name: cup, face: front, position_mm: [22, "
+      "0, 0], rpy_deg: [170, 20, 30]}]\n")));
+  ASSERT_EQ(part.pickPoses().size(), 24u);
+  for (const PickPose& pose : part.pickPoses()) {
+    const double into = pose.face == FaceFilter::kFront ? -1.0 : 1.0;
+    EXPECT_GT(into * pose.T_part_pick.linear()(2, 2), 0.9) << pose.name;
+  }
+}
+
+TEST_F(PartFileTest, WarnsOfPickPosesThatMissThePart) {
+  const auto warnings = [this](const std::string& position, const std::string& tool,
+                               const std::string& turn = "rpy_deg: [180, 0, 0], face: front") {
+    const auto part =
+        load("drawing: plate.dxf\nthickness_mm: 3\n" + tool +
+             "pick_poses: [{name: cup, position_mm: " + position + ", " + turn + "}]\n");
+    std::string all;
+    for (const std::string& warning : part.warnings) all += warning + "\n";
+    return all;
+  };
+  const auto has = [](const std::string& text, const std::vector<std::string>& words) {
+    for (const std::string& word : words) {
+      if (text.find(word) == std::string::npos) return testing::AssertionFailure() << text;
+    }
+    return testing::AssertionSuccess();
+  };
+  EXPECT_EQ(warnings("[30, 10, 0]", ""), "");
+  EXPECT_TRUE(has(warnings("[50, 10, 0]", ""), {"cup", "(50.0, 10.0) mm", "outside of the part"}));
+  EXPECT_TRUE(has(warnings("[10, 9, 0]", ""), {"cup", "over a hole"}));
+  // 40 x 20 with a hole of r 3 at (10, 10); a print is no edge.
+  EXPECT_EQ(warnings("[25, 6, 0]", "tool_radius_mm: 5.9\n"), "");
+  EXPECT_TRUE(has(warnings("[25, 6, 0]", "tool_radius_mm: 6.1\n"), {"6.0 mm", "edge", "6.1 mm"}));
+  EXPECT_EQ(warnings("[17, 10, 0]", "tool_radius_mm: 3.9\n"), "");
+  EXPECT_TRUE(has(warnings("[17, 10, 0]", "tool_radius_mm: 4.1\n"), {"4.0 mm", "hole", "4.1 mm"}));
+  // Slanted, the tool's axis meets the face beside the point over it.
+  EXPECT_EQ(warnings("[45, 10, 10]", "", "rpy_deg: [180, 45, 0], face: front"), "");
+  EXPECT_TRUE(
+      has(warnings("[35, 10, 10]", "", "rpy_deg: [180, -45, 0], face: front"), {"outside"}));
+  // The back's face is 3 mm below; at z = 0 a cup would have to go through the part.
+  EXPECT_EQ(warnings("[30, 10, -3]", "", "face: back"), "");
+  EXPECT_EQ(warnings("[30, 10, -1.5]", "", "face: back"), "");
+  EXPECT_TRUE(has(warnings("[30, 10, 0]", "", "face: back"), {"cup", "3.0 mm below", "z = -3.0"}));
+  EXPECT_TRUE(has(warnings("[30, 10, -3]", ""), {"3.0 mm below the front"}));
+}
+
+TEST_F(PartFileTest, ReadsHowToReadTheDrawing) {
+  EXPECT_TRUE(refused("drawing: plate.dxf\nunits: feet\n", {"units", "feet", "mm, cm, m or inch"}));
+  EXPECT_TRUE(refused("drawing: plate.dxf\nunits: [mm]\n", {"units", "mm, cm, m or inch"}));
+  // A gap of 0.1 mm is none where the file says so.
+  dir_.write("gap.dxf", DxfWriter()
+                            .line(0, 0, 40, 0)
+                            .line(40, 0, 40, 20)
+                            .line(40, 20, 0, 20)
+                            .line(0, 20, 0, 0.1)
+                            .text());
+  EXPECT_TRUE(refuses([&] { load("drawing: gap.dxf\n"); }, {"open contour"}));
+  EXPECT_EQ(load("drawing: gap.dxf\njoin_tolerance_mm: 0.2\n").drawing.loops.size(), 1u);
+  for (const char* value : {"0", "0.0009", "5.1", "-1", ".nan", "wide"}) {
+    EXPECT_TRUE(refused(std::string("drawing: plate.dxf\njoin_tolerance_mm: ") + value + "\n",
+                        {"join_tolerance_mm", "between 0.001 and 5"}))
+        << value;
+  }
+  EXPECT_NO_THROW(load("drawing: plate.dxf\njoin_tolerance_mm: 0.001\n"));
+}
+
+TEST_F(PartFileTest, SeesAPartFileOfAnyEnding) {
+  const std::string yaml = "drawing: plate.dxf\nthickness_mm: 2.5\n";
+  for (const char* name : {"plate.yml", "plate.YAML"}) {
+    dir_.write(name, yaml);
+    EXPECT_DOUBLE_EQ(loadPartFile(dir_.path("plate.dxf")).thickness, 2.5e-3) << name;
+    EXPECT_DOUBLE_EQ(loadPartFile(dir_.path(name)).thickness, 2.5e-3) << name;
+    std::filesystem::remove(dir_.path(name));
+  }
+  dir_.write("plate.yml", yaml);
+  dir_.write("plate.yaml", yaml);
+  for (const char* name : {"plate.dxf", "plate.yaml", "plate.yml"}) {
+    EXPECT_TRUE(refuses([&] { loadPartFile(dir_.path(name)); },
+                        {"two part files", "plate.yaml", "plate.yml", "keep one"}));
+  }
+}
+
+TEST_F(PartFileTest, IsReadInTheFolderThatOneStandsIn) {
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(dir_.path(""));
+  dir_.write("plate.yml", "drawing: plate.dxf\nthickness_mm: 1\n");
+  const auto thickness = [](const char* path) { return loadPartFile(path).thickness; };
+  EXPECT_DOUBLE_EQ(thickness("plate.dxf"), 1e-3);
+  EXPECT_DOUBLE_EQ(thickness("./plate.yml"), 1e-3);
+  std::filesystem::current_path(before);
+}
+
+TEST_F(PartFileTest, SaysWhatIsNoPartFile) {
+  const auto isNone = [&](const std::string& yaml, const std::string& word) {
+    try {
+      load(yaml);
+    } catch (const NoPartFile& e) {
+      const std::string text = e.what();
+      return text.find("no part file") != std::string::npos &&
+             text.find("plate.yaml") != std::string::npos && text.find(word) != std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(isNone("seconds: 0.4\nthreshold: 0.8\ndetections: []\n", "result of locate_image"));
+  EXPECT_TRUE(isNone("image_width: 9\ncamera_matrix: {rows: 3}\n", "camera's calibration"));
+  EXPECT_TRUE(isNone("header: {}\nK: [1]\n", "CameraInfo"));
+  EXPECT_TRUE(isNone("parent_frame: flange\nchild_frame: camera\n", "hand-eye"));
+  EXPECT_TRUE(isNone("verdict: GOOD\n", "report of a calibration"));
+  EXPECT_TRUE(isNone("score: {threshold: 0.7}\n", "none of a part file's keys"));
+  EXPECT_TRUE(isNone("- {image: a.png}\n", "list"));
+  EXPECT_TRUE(isNone("", "key: value"));
+  // One key of a part file, and it is one with a mistake in it.
+  EXPECT_TRUE(refused("detections: []\nthickness_mm: 3\n", {"unknown key", "detections"}));
+}
+
+TEST_F(PartFileTest, RefusesWhatIsNoRegularFile) {
+  ASSERT_EQ(mkfifo(dir_.path("pipe.yaml").c_str(), 0600), 0);
+  ASSERT_EQ(mkfifo(dir_.path("pipe2.dxf").c_str(), 0600), 0);
+  std::filesystem::create_directory(dir_.path("folder.yaml"));
+  std::filesystem::create_directory(dir_.path("folder2.dxf"));
+  for (const char* name : {"pipe.yaml", "pipe2.dxf", "folder.yaml", "folder2.dxf"}) {
+    EXPECT_TRUE(refuses([&] { loadPartFile(dir_.path(name)); }, {name, "no regular file"}));
+    EXPECT_FALSE(drawingNamedBy(dir_.path(name)));
+  }
+  EXPECT_TRUE(refused("drawing: pipe2.dxf\n", {"pipe2.dxf", "no regular file"}));
+  EXPECT_TRUE(refused("drawing: .\n", {"no regular file"}));
+  // One beside a drawing might be meant to say something about it.
+  dir_.write("pipe.dxf", DxfWriter().rectangle(0, 0, 9, 9).text());
+  EXPECT_TRUE(refuses([&] { loadPartFile(dir_.path("pipe.dxf")); }, {"pipe.yaml", "no regular"}));
+  EXPECT_TRUE(refuses([] { loadPartFile(""); }, {"empty"}));
+}
+
+TEST_F(PartFileTest, ReadsNothingOutsideOfItsFolder) {
+  namespace fs = std::filesystem;
+  const TempDir elsewhere;
+  const std::string plate = DxfWriter().rectangle(0, 0, 9, 9).text();
+  const std::string secret = elsewhere.write("secret.dxf", "the first line of it");
+  elsewhere.write("part.dxf", plate);
+  elsewhere.write("part.yaml", "drawing: part.dxf\n");
+  const auto outside = [&](const std::string& yaml) {
+    try {
+      load(yaml);
+    } catch (const std::runtime_error& e) {
+      const std::string text = e.what();
+      return text.find("leads out of the folder") != std::string::npos &&
+             text.find("the first line") == std::string::npos;
+    }
+    return false;
+  };
+  const std::string up = "../" + fs::path(secret).parent_path().filename().string();
+  EXPECT_TRUE(outside("drawing: " + up + "/part.dxf\n"));
+  EXPECT_TRUE(outside("drawing: " + up + "/none.dxf\n"));
+  EXPECT_TRUE(outside("drawing: " + secret + "\n"));
+  fs::create_symlink(secret, dir_.path("link.dxf"));
+  EXPECT_TRUE(outside("drawing: link.dxf\n"));
+  fs::create_directory_symlink(fs::path(secret).parent_path(), dir_.path("away"));
+  EXPECT_TRUE(outside("drawing: away/part.dxf\n"));
+  // The part file itself, or the one beside a drawing, or the drawing alone.
+  fs::create_symlink(elsewhere.path("part.yaml"), dir_.path("part.yaml"));
+  dir_.write("part.dxf", plate);
+  for (const char* name : {"part.yaml", "part.dxf", "link.dxf"}) {
+    EXPECT_TRUE(
+        refuses([&] { loadPartFile(dir_.path(name)); },
+                {std::string(name) == "link.dxf" ? name : "part.yaml", "leads out of the folder"}));
+  }
+  // Within the folder, and by way of a link to the whole folder, all is well.
+  fs::create_symlink(dir_.path("plate.dxf"), dir_.path("same.dxf"));
+  EXPECT_EQ(load("drawing: same.dxf\n").drawing.loops.size(), 3u);
+  fs::create_directory(dir_.path("drawings"));
+  dir_.write("drawings/inner.dxf", plate);
+  EXPECT_EQ(load("drawing: drawings/../drawings/inner.dxf\n").drawing.loops.size(), 1u);
+  EXPECT_EQ(loadPartFile(dir_.path("away/part.dxf")).name, "part");
+}
+
+TEST_F(PartFileTest, TellsWhichDrawingAPartFileNames) {
+  const auto named = [&](const std::string& yaml) {
+    return drawingNamedBy(dir_.write("plate.yaml", yaml)).value_or("none");
+  };
+  EXPECT_EQ(named("drawing: ./plate.dxf\n"), dir_.path("plate.dxf"));
+  EXPECT_EQ(named("drawing: other.dxf\npick_poses: 3\n"), dir_.path("other.dxf"));
+  EXPECT_EQ(named("thickness_mm: 3\n"), "none");
+  EXPECT_EQ(named("drawing: [a]\n"), "none");
+  EXPECT_EQ(named("detections: []\n"), "none");
+  EXPECT_EQ(named("drawing: &a [*a]\n"), "none");
 }
 
 TEST_F(PartFileTest, RefusesOtherFiles) {

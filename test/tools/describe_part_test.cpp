@@ -71,7 +71,7 @@ TEST_F(DescribePart, PrintsItsUsageAndRefusesWrongArguments) {
   EXPECT_NE(out_.find("describe_part PART"), std::string::npos);
   EXPECT_TRUE(refused("", {"no part", "--help"}));
   EXPECT_TRUE(refused("--parts x", {"unknown option", "--parts"}));
-  EXPECT_TRUE(refused("\"\"", {"does not exist"}));
+  EXPECT_TRUE(refused("\"\"", {"path of a part is empty"}));
 }
 
 TEST_F(DescribePart, QuotesNamesThatAreNoWords) {
