@@ -49,8 +49,10 @@ class NearOutline {
   std::vector<float> cells_;
 };
 
-Eigen::Vector2d mapped(const Eigen::Vector2d& p, bool flip, double angle) {
-  return Eigen::Rotation2Dd(angle) * Eigen::Vector2d(p.x(), flip ? -p.y() : p.y());
+/// Mirrored about the x axis where it flips, then turned.
+Eigen::Matrix2d mapping(bool flip, double angle) {
+  return Eigen::Rotation2Dd(angle).toRotationMatrix() *
+         Eigen::Vector2d(1.0, flip ? -1.0 : 1.0).asDiagonal();
 }
 
 Eigen::Isometry3d turned(const PartModel& part, const Eigen::Vector2d& c, bool flip, double angle) {
@@ -74,8 +76,9 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, d
   }
   const NearOutline near(shape, tolerance);
   const auto mean = [&](bool flip, double angle, auto&& of) {
+    const Eigen::Matrix2d map = mapping(flip, angle);
     double sum = 0.0;
-    for (const auto& p : shape) sum += of(mapped(p, flip, angle));
+    for (const auto& p : shape) sum += of(map * p);
     return sum / static_cast<double>(shape.size());
   };
   struct Found {
@@ -132,11 +135,10 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, d
   }
   for (const auto& f : found) {
     Lookalike other{turned(part, symmetry.center, f.flip, f.angle), f.flip, false, {}, {}};
+    const Eigen::Matrix2d there = mapping(f.flip, f.angle), back = there.transpose();
     for (std::size_t i = 0; i < shape.size(); ++i) {  // shape points come first in outline()
-      if (!near(mapped(shape[i], f.flip, f.angle)))
-        other.only_lookalike.push_back(static_cast<int>(i));
-      const double back = f.flip ? f.angle : -f.angle;  // a mirroring is its own inverse
-      if (!near(mapped(shape[i], f.flip, back))) other.only_part.push_back(static_cast<int>(i));
+      if (!near(there * shape[i])) other.only_lookalike.push_back(static_cast<int>(i));
+      if (!near(back * shape[i])) other.only_part.push_back(static_cast<int>(i));
     }
     out.push_back(std::move(other));
   }

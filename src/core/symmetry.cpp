@@ -2,135 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/symmetry.h"
 
+#include "figure.h"
 #include "polygon.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <map>
+#include <numeric>
 #include <stdexcept>
-#include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace planar_bin_picking {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kMaxOrder = 360;  ///< finer teeth than one degree count as a circle or as none
-
-using Points = std::vector<Eigen::Vector2d>;
-
-/// Answers in constant time whether a point lies on a set of lines, within a tolerance.
-class LineIndex {
- public:
-  LineIndex(double tolerance, double cell) : tolerance_(tolerance), cell_(cell) {}
-
-  void add(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    // In pieces no longer than a cell, so that each lies in few cells.
-    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / cell_)));
-    for (int i = 0; i < pieces; ++i) {
-      const Eigen::Vector2d p = a + (b - a) * (static_cast<double>(i) / pieces);
-      const Eigen::Vector2d q = a + (b - a) * (static_cast<double>(i + 1) / pieces);
-      const Eigen::Vector2i low = cellOf(p.cwiseMin(q).array() - tolerance_);
-      const Eigen::Vector2i high = cellOf(p.cwiseMax(q).array() + tolerance_);
-      for (int y = low.y(); y <= high.y(); ++y) {
-        for (int x = low.x(); x <= high.x(); ++x) cells_[keyOf({x, y})].push_back({p, q});
-      }
-    }
-  }
-
-  bool holds(const Eigen::Vector2d& point) const {
-    const auto it = cells_.find(keyOf(cellOf(point)));
-    if (it == cells_.end()) return false;
-    return std::any_of(it->second.begin(), it->second.end(), [&](const auto& piece) {
-      return distanceToSegment(point, piece.first, piece.second) <= tolerance_;
-    });
-  }
-
- private:
-  Eigen::Vector2i cellOf(const Eigen::Vector2d& p) const {
-    return (p / cell_).array().floor().matrix().cast<int>();
-  }
-  static std::uint64_t keyOf(const Eigen::Vector2i& cell) {
-    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell.y())) << 32) |
-           static_cast<std::uint32_t>(cell.x());
-  }
-
-  double tolerance_, cell_;
-  std::unordered_map<std::uint64_t, std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>>>
-      cells_;
-};
-
-/// Loops about a centre: their lines for asking, points on them for mapping.
-class Figure {
- public:
-  Figure(const std::vector<const Loop*>& loops, const Eigen::Vector2d& center, double tolerance)
-      : tolerance_(tolerance), index_(tolerance, 0.0) {
-    double length = 0.0;
-    forEachSide(loops, center, [&](const auto& a, const auto& b) { length += (b - a).norm(); });
-    const double spacing = std::max(length / 4000.0, 1e-9);
-    index_ = LineIndex(tolerance, std::max(4.0 * spacing, 2.0 * tolerance));
-    forEachSide(loops, center, [&](const auto& a, const auto& b) {
-      index_.add(a, b);
-      sides_.push_back({a, b});
-      const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / spacing)));
-      for (int i = 0; i < pieces; ++i)
-        samples_.push_back(a + (b - a) * (static_cast<double>(i) / pieces));
-      samples_.push_back(b);
-    });
-  }
-
-  bool empty() const { return sides_.empty(); }
-  bool mapsToItself(const Eigen::Matrix2d& linear) const {
-    return std::all_of(samples_.begin(), samples_.end(),
-                       [&](const Eigen::Vector2d& p) { return index_.holds(linear * p); });
-  }
-  bool mapsToItselfTurnedBy(double angle) const {
-    return mapsToItself(Eigen::Rotation2Dd(angle).toRotationMatrix());
-  }
-
-  /// The angles at which the figure crosses a circle about the centre, and how squarely: the least
-  /// sine between line and circle.
-  double crossings(double radius, std::vector<double>* angles) const {
-    double least = 1.0;
-    for (const auto& [a, b] : sides_) {
-      const double length = (b - a).norm();
-      if (length == 0.0) continue;
-      const Eigen::Vector2d d = (b - a) / length;
-      const double foot = -a.dot(d), half2 = radius * radius - (a + foot * d).squaredNorm();
-      if (half2 <= 0.0) continue;
-      for (const double along : {foot - std::sqrt(half2), foot + std::sqrt(half2)}) {
-        if (along < 0.0 || along >= length) continue;
-        const Eigen::Vector2d p = a + along * d;
-        angles->push_back(std::atan2(p.y(), p.x()));
-        least = std::min(least, std::abs(p.dot(d)) / radius);
-      }
-    }
-    return least;
-  }
-
-  double largestRadius() const {
-    double largest = 0.0;
-    for (const Eigen::Vector2d& p : samples_) largest = std::max(largest, p.norm());
-    return largest;
-  }
-
- private:
-  template <class Visit>
-  static void forEachSide(const std::vector<const Loop*>& loops, const Eigen::Vector2d& center,
-                          Visit&& visit) {
-    for (const Loop* loop : loops) {
-      for (std::size_t i = loop->closed ? 0 : 1; i < loop->points.size(); ++i) {
-        const std::size_t before = (i + loop->points.size() - 1) % loop->points.size();
-        visit(Eigen::Vector2d(loop->points[before] - center),
-              Eigen::Vector2d(loop->points[i] - center));
-      }
-    }
-  }
-
-  double tolerance_;
-  LineIndex index_;
-  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> sides_;
-  Points samples_;
-};
 
 std::vector<const Loop*> loopsOf(const Drawing& drawing, bool print) {
   std::vector<const Loop*> loops;
@@ -168,22 +55,43 @@ bool isRound(const std::vector<const Loop*>& loops, const Eigen::Vector2d& cente
   });
 }
 
-/// Whether all turns of that order map the figure to itself. One small turn moves a round figure by
-/// less than the tolerance whether or not it is symmetric; the largest turns tell.
-bool hasOrder(const Figure& figure, int order) {
-  for (int k = order / 2; k > 0; --k) {
-    if (!figure.mapsToItselfTurnedBy(2.0 * kPi * k / order)) return false;
-  }
-  return true;
-}
+/// Turns by k / n of a full one, each tried once: half a turn is one of every even order.
+class Turns {
+ public:
+  explicit Turns(const Figure& figure) : figure_(figure) {}
 
-/// The largest order of rotation; `of` = 0 tries all, else its divisors.
-int rotationOrder(const Figure& figure, int of) {
-  for (int order = of == 0 ? kMaxOrder : of; order > 1; --order) {
-    if ((of == 0 || of % order == 0) && hasOrder(figure, order)) return order;
+  /// The largest order of rotation; `of` = 0 tries all, else its divisors.
+  int largestOrder(int of) {
+    for (int order = of == 0 ? kMaxOrder : of; order > 1; --order) {
+      if ((of == 0 || of % order == 0) && hasOrder(order)) return order;
+    }
+    return 1;
   }
-  return 1;
-}
+
+ private:
+  /// Whether all turns of that order map the figure to itself. One small turn moves a round figure
+  /// by less than the tolerance whether or not it is symmetric; the largest turns tell.
+  bool hasOrder(int order) {
+    for (int k = order / 2; k > 0; --k) {
+      if (!maps(k / std::gcd(k, order), order / std::gcd(k, order))) return false;
+    }
+    return true;
+  }
+
+  bool maps(int k, int n) {
+    const auto [it, is_new] = known_.try_emplace({k, n}, false);
+    if (is_new) {
+      const Eigen::Rotation2Dd turn(2.0 * kPi * k / n);
+      it->second = figure_.mapsToItself(turn.toRotationMatrix());
+    }
+    return it->second;
+  }
+
+  const Figure& figure_;
+  std::map<std::pair<int, int>, bool> known_;
+};
+
+int rotationOrder(const Figure& figure, int of) { return Turns(figure).largestOrder(of); }
 
 /// Axes that could mirror the figure: a mirror maps its crossings with a circle to one another.
 std::vector<double> axisCandidates(const Figure& figure) {

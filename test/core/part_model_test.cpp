@@ -114,5 +114,35 @@ TEST(PartModel, RefusesWhatIsNoPart) {
   EXPECT_TRUE(refuses([&] { PartModel part(file); }, {"thing", "thickness"}));
 }
 
+/// Drawings of sites have their origin anywhere.
+TEST(PartModel, IsTheSameFarFromTheOrigin) {
+  const Eigen::Vector2d off(8e3, -7e3);  // 10 km
+  PartFile file = makePart("wheel", wheelPlate(15, true))->file();
+  const PartModel near(file);
+  for (Loop& loop : file.drawing.loops) {
+    for (auto& p : loop.points) p += off;
+  }
+  const PartModel far(file);
+  EXPECT_EQ(far.symmetry().mirror, near.symmetry().mirror);
+  EXPECT_EQ(far.symmetry().order, near.symmetry().order);
+  EXPECT_EQ(far.nearOrder(), near.nearOrder());
+  EXPECT_NEAR(far.radius(), near.radius(), 1e-8);
+  EXPECT_LT((far.center() - near.center() - off).norm(), 1e-8);
+  ASSERT_EQ(far.outline().size(), near.outline().size());
+  for (std::size_t i = 0; i < far.outline().size(); ++i) {
+    EXPECT_LT((far.outline()[i].position - near.outline()[i].position - off).norm(), 1e-8);
+    EXPECT_LT((far.outline()[i].normal - near.outline()[i].normal).norm(), 1e-5);
+  }
+  EXPECT_EQ(far.faceGrid().cells().size(), near.faceGrid().cells().size());
+  ASSERT_EQ(far.lookalikes().size(), near.lookalikes().size());
+  for (std::size_t i = 0; i < far.lookalikes().size(); ++i) {
+    const Eigen::Isometry3d moved = Eigen::Translation3d(off.x(), off.y(), 0.0) *
+                                    near.lookalikes()[i].T_part_lookalike *
+                                    Eigen::Translation3d(-off.x(), -off.y(), 0.0);
+    const Eigen::Vector3d p(off.x() + 0.03, off.y(), 0.0);
+    EXPECT_LT((far.lookalikes()[i].T_part_lookalike * p - moved * p).norm(), 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace planar_bin_picking

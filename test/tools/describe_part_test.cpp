@@ -4,12 +4,22 @@
 // The program itself, as a user runs it.
 
 #include "support/dxf_writer.h"
+#include "support/slow.h"
 #include "support/tool_test.h"
 
+#include <sys/resource.h>
 #include <yaml-cpp/yaml.h>
 
 namespace planar_bin_picking {
 namespace {
+
+/// Of processors, so that what else runs on the machine does not count.
+double secondsOfChildren() {
+  rusage usage = {};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  return usage.ru_utime.tv_sec + 1e-6 * usage.ru_utime.tv_usec + usage.ru_stime.tv_sec +
+         1e-6 * usage.ru_stime.tv_usec;
+}
 
 class DescribePart : public ToolTest {
  protected:
@@ -78,6 +88,21 @@ TEST_F(DescribePart, QuotesNamesThatAreNoWords) {
   plate("12.dxf");
   ASSERT_EQ(run(dir_.path("12.dxf")), 0) << error_;
   EXPECT_EQ(out_.find("part: '12'\n"), 0u) << out_;
+}
+
+TEST_F(DescribePart, ThousandsOfHolesTakeNoTime) {
+  for (const auto& [across, seconds] : {std::pair{32, 0.5}, {55, 2.0}}) {  // 1024 and 3025 holes
+    DxfWriter dxf;
+    dxf.rectangle(0, 0, 4 * across, 4 * across);
+    for (int i = 0; i < across * across; ++i)
+      dxf.circle(2 + 4 * (i % across), 2 + 4 * (i / across), 1.5);
+    const std::string path = dir_.write("sieve.dxf", dxf.text());
+    const auto before = secondsOfChildren();
+    ASSERT_EQ(run(path), 0) << error_;
+    EXPECT_LT(secondsOfChildren() - before, kSlow * seconds) << across;
+    EXPECT_NE(out_.find("holes: " + std::to_string(across * across)), std::string::npos) << out_;
+    EXPECT_NE(out_.find("symmetry_order: 4\n"), std::string::npos) << out_;
+  }
 }
 
 }  // namespace
