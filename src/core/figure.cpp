@@ -122,6 +122,17 @@ bool Figure::mapsToItself(const Eigen::Matrix2d& linear) const {
   });
 }
 
+std::vector<double> Figure::crossedRadii(int per_loop) const {
+  std::vector<double> radii;
+  for (const Piece& piece : pieces_) {
+    for (int i = 1; i <= per_loop; ++i) {
+      const double share = static_cast<double>(i) / (per_loop + 1);
+      radii.push_back(piece.nearest + share * (piece.farthest - piece.nearest));
+    }
+  }
+  return radii;
+}
+
 double Figure::crossings(double radius, std::vector<double>* angles) const {
   double least = 1.0;
   for (const Piece& piece : pieces_) {

@@ -55,6 +55,9 @@ class Figure {
 
   bool empty() const { return sides_.empty(); }
   double largestRadius() const { return largest_radius_; }
+  /// Of circles about the centre that some loop of the figure crosses, evenly from its nearest
+  /// point to its farthest.
+  std::vector<double> crossedRadii(int per_loop) const;
   bool mapsToItself(const Eigen::Matrix2d& linear) const;
 
   /// The angles at which the figure crosses a circle about the centre, and how squarely: the least

@@ -97,17 +97,22 @@ int rotationOrder(const Figure& figure, int of) { return Turns(figure).largestOr
 std::vector<double> axisCandidates(const Figure& figure) {
   std::vector<double> best;
   double best_quality = 0.0;
-  constexpr int kRadii = 200;
-  for (int i = 1; i < kRadii; ++i) {
+  const auto look = [&](double radius) {
     std::vector<double> angles;
-    const double share = static_cast<double>(i) / kRadii;
-    const double squareness = figure.crossings(share * figure.largestRadius(), &angles);
+    const double squareness = figure.crossings(radius, &angles);
     // Far out and square across, an axis comes out sharp; few crossings make few candidates.
-    const double quality = squareness * share / (1.0 + 0.02 * static_cast<double>(angles.size()));
+    const double quality = squareness * (radius / figure.largestRadius()) /
+                           (1.0 + 0.02 * static_cast<double>(angles.size()));
     if (!angles.empty() && quality > best_quality) {
       best_quality = quality;
       best = angles;
     }
+  };
+  constexpr int kRadii = 200;
+  for (int i = 1; i < kRadii; ++i) look(static_cast<double>(i) / kRadii * figure.largestRadius());
+  // A shallow flat of a disk may lie between two of them.
+  if (best.empty()) {
+    for (const double radius : figure.crossedRadii(9)) look(radius);
   }
   std::vector<double> axes;
   for (const double angle : best) {

@@ -264,6 +264,20 @@ TEST(Symmetry, OneHoleOutOfPlaceBreaksIt) {
   }
 }
 
+TEST(Symmetry, AShallowFlatOfADiskIsItsAxis) {
+  Drawing drawing;
+  Loop loop;
+  const Eigen::Rotation2Dd turn(0.7);
+  for (int i = 0; i < 720; ++i) {
+    const double angle = 2.0 * kPi * i / 720;
+    loop.points.push_back(
+        turn * Eigen::Vector2d(std::min(0.05 * std::cos(angle), 0.0498), 0.05 * std::sin(angle)));
+  }
+  drawing.loops.push_back(loop);
+  EXPECT_EQ(findSymmetry(drawing).order, 1);
+  EXPECT_TRUE(isAxis(findSymmetry(drawing), 0.7, 1));
+}
+
 /// Round holes are compared by their centres; what only looks like them is not.
 TEST(Symmetry, ARoundHoleMayBeDrawnInAnyWay) {
   Drawing drawing;
