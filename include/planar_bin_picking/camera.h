@@ -22,9 +22,11 @@ class Camera {
     std::vector<double> distortion;  ///< k1 k2 p1 p2 k3 [k4 k5 k6]; empty or shorter = 0
   };
 
-  /// @throws std::invalid_argument  naming the field and its value: size <= 0, fx or fy not > 0,
-  ///         anything not finite, centre outside twice the image, unknown model, too many
-  ///         coefficients, or a lens model that folds over inside the image
+  /// @throws std::invalid_argument  naming the field, its value and what it must be: size <= 0; fx
+  ///         or fy not > 0, both 1 (no calibration), or more than 20 % apart; a field of view
+  ///         outside 2 .. 150 degrees; a principal point outside the image; unknown lens model, too
+  ///         many coefficients; a lens model that folds over inside the image or bends its border
+  ///         by more than a factor of 4
   explicit Camera(const Model& model);
 
   const Model& model() const { return model_; }
@@ -42,6 +44,10 @@ class Camera {
   Model model_;
   std::array<double, 8> d_{};
 };
+
+/// The model, without distortion, of a camera matrix, row by row, as messages and files have it.
+/// @throws std::invalid_argument  not [fx, 0, cx, 0, fy, cy, 0, 0, 1], such as one with a skew
+Camera::Model pinholeModel(int width, int height, const std::array<double, 9>& K);
 
 /// Reads a camera_info YAML file in the ROS format.
 /// @throws std::runtime_error  naming file and key

@@ -2,98 +2,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/camera.h"
 
+#include "camera_check.h"
 #include "yaml_file.h"
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <locale>
 #include <sstream>
 #include <stdexcept>
 
 namespace planar_bin_picking {
-namespace {
-
-template <class T>
-[[noreturn]] void refuse(const std::string& field, const T& value, const std::string& expected) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text << "camera: " << field << " is " << value << ", must be " << expected;
-  throw std::invalid_argument(text.str());
-}
-
-void checkPinhole(const Camera::Model& m) {
-  if (m.width <= 0) refuse("width", m.width, "greater than 0");
-  if (m.height <= 0) refuse("height", m.height, "greater than 0");
-  const std::string calibrated = "a finite number greater than 0 (is the camera calibrated?)";
-  if (!std::isfinite(m.fx) || m.fx <= 0.0) refuse("fx", m.fx, calibrated);
-  if (!std::isfinite(m.fy) || m.fy <= 0.0) refuse("fy", m.fy, calibrated);
-  const auto near = [](double c, int size) { return c > -0.5 * size && c < 1.5 * size; };
-  if (!near(m.cx, m.width)) refuse("cx", m.cx, "within half a width of the image");
-  if (!near(m.cy, m.height)) refuse("cy", m.cy, "within half a height of the image");
-}
-
-/// How many coefficients a lens model has.
-std::size_t coefficientCount(const std::string& distortion_model) {
-  if (distortion_model.empty()) return 0;
-  if (distortion_model == "plumb_bob") return 5;
-  if (distortion_model == "rational_polynomial") return 8;
-  refuse("distortion_model", "\"" + distortion_model + "\"",
-         "plumb_bob, rational_polynomial or empty; calibrate the camera with one of these");
-}
-
-std::array<double, 8> checkedCoefficients(const Camera::Model& m) {
-  const std::size_t count = coefficientCount(m.distortion_model);
-  std::array<double, 8> d{};
-  for (std::size_t i = 0; i < m.distortion.size(); ++i) {
-    const double value = m.distortion[i];
-    const std::string field = "distortion coefficient " + std::to_string(i + 1);
-    if (!std::isfinite(value)) refuse(field, value, "a finite number");
-    // Calibration programs pad with zeros; only a coefficient that does something is an error.
-    if (i >= count && value != 0.0) {
-      refuse(field, value,
-             "0 or absent: \"" + m.distortion_model + "\" has " + std::to_string(count) +
-                 " coefficients");
-    }
-    if (i < count) d[i] = value;
-  }
-  return d;
-}
-
-/// Evenly spaced pixels along the border of the image, corners included.
-std::vector<Eigen::Vector2d> borderPixels(int width, int height) {
-  constexpr int kPerSide = 16;
-  std::vector<Eigen::Vector2d> pixels;
-  for (int i = 0; i <= kPerSide; ++i) {
-    const double u = -0.5 + width * static_cast<double>(i) / kPerSide;
-    const double v = -0.5 + height * static_cast<double>(i) / kPerSide;
-    pixels.insert(pixels.end(), {{u, -0.5}, {u, height - 0.5}, {-0.5, v}, {width - 0.5, v}});
-  }
-  return pixels;
-}
-
-}  // namespace
 
 Camera::Camera(const Model& model) : model_(model) {
   checkPinhole(model);
   d_ = checkedCoefficients(model);
-  // A polynomial beyond the board's views may turn back: then two directions share one pixel, and
-  // undistort could give either. Walk from the centre to the border: no ray may fold on its way.
-  for (const Eigen::Vector2d& p_image : borderPixels(model.width, model.height)) {
-    const Eigen::Vector2d p_ideal = undistort(p_image);
-    bool folds = !((distort(p_ideal) - p_image).norm() < 1e-6);
-    for (int step = 0; step <= 32 && !folds; ++step) {
-      Eigen::Matrix2d jacobian;
-      distort(p_ideal * (step / 32.0), &jacobian);
-      folds = !(jacobian.determinant() > 0.0);
-    }
-    if (folds) {
-      std::ostringstream pixel;
-      pixel << "(" << p_image.x() << ", " << p_image.y() << ")";
-      refuse("the lens model toward pixel", pixel.str(),
-             "one-to-one, but it folds over; calibrate with views that reach the image's corners");
-    }
-  }
+  checkLens(*this);
+}
+
+Camera::Model pinholeModel(int width, int height, const std::array<double, 9>& K) {
+  const auto& [fx, skew, cx, k10, fy, cy, k20, k21, k22] = K;
+  const auto refuse = [&](const std::string& why) {
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << "camera matrix [";
+    for (std::size_t i = 0; i < K.size(); ++i) text << (i > 0 ? ", " : "") << K[i];
+    text << "] " << why << "; it must be [fx, 0, cx, 0, fy, cy, 0, 0, 1]";
+    throw std::invalid_argument(text.str());
+  };
+  if (skew != 0.0) refuse("has a skew, which no lens model here has");
+  if (k10 != 0.0 || k20 != 0.0 || k21 != 0.0 || k22 != 1.0) refuse("is none of a pinhole");
+  Camera::Model model;
+  model.width = width;
+  model.height = height;
+  model.fx = fx;
+  model.fy = fy;
+  model.cx = cx;
+  model.cy = cy;
+  return model;
 }
 
 Eigen::Vector2d Camera::distort(const Eigen::Vector2d& p_ideal) const {
@@ -169,18 +117,21 @@ Camera loadCamera(const std::string& path) {
                              ": is a printed CameraInfo message (key \"K\"); give the file "
                              "that the calibration wrote (key \"camera_matrix\")");
   }
-  Camera::Model model;
-  model.width = valueAs<int>(root["image_width"], path, "image_width", "a number of pixels");
-  model.height = valueAs<int>(root["image_height"], path, "image_height", "a number of pixels");
+  const int width = valueAs<int>(root["image_width"], path, "image_width", "a number of pixels");
+  const int height = valueAs<int>(root["image_height"], path, "image_height", "a number of pixels");
   const std::vector<double> k = readData(root, path, "camera_matrix");
-  if (k.size() != 9 || k[1] != 0.0 || k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0) {
+  std::array<double, 9> K{};
+  if (k.size() != K.size()) {
     throwBadValue(path, "camera_matrix/data", root["camera_matrix"]["data"],
                   "[fx, 0, cx, 0, fy, cy, 0, 0, 1]");
   }
-  model.fx = k[0];
-  model.cx = k[2];
-  model.fy = k[4];
-  model.cy = k[5];
+  std::copy(k.begin(), k.end(), K.begin());
+  Camera::Model model;
+  try {
+    model = pinholeModel(width, height, K);
+  } catch (const std::invalid_argument& e) {
+    throw std::runtime_error(path + ": camera_matrix/data: " + e.what());
+  }
   const YAML::Node distortion_model = root["distortion_model"];
   model.distortion_model = distortion_model.IsDefined() && distortion_model.IsNull()
                                ? ""

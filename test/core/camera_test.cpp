@@ -6,8 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <locale>
+#include <utility>
 
 namespace planar_bin_picking {
 namespace {
@@ -102,6 +104,111 @@ TEST(Camera, RefusesWrongModels) {
       refused([](auto* m) { m->distortion.resize(6, 0.1); }, {"coefficient 6", "5 coefficients"}));
 }
 
+testing::AssertionResult refusedWith(const Camera::Model& model,
+                                     const std::vector<std::string>& words) {
+  return refuses([&] { Camera camera(model); }, words);
+}
+
+/// Without distortion: what a focal length and a principal point alone say.
+Camera::Model pinhole(double fx, double fy) {
+  Camera::Model model = plumbBob();
+  model.distortion.clear();
+  model.fx = fx;
+  model.fy = fy;
+  return model;
+}
+
+TEST(Camera, RefusesTheIdentity) {
+  EXPECT_TRUE(refusedWith(pinhole(1.0, 1.0), {"fx is 1,", "no calibration"}));
+}
+
+TEST(Camera, RefusesFocalLengthsFarApart) {
+  EXPECT_TRUE(refusedWith(pinhole(1.7, 1737.0), {"fx and fy", "1.7", "1737", "20 %"}));
+  EXPECT_TRUE(refusedWith(pinhole(3000.0, 2490.0), {"fx and fy"}));
+  EXPECT_TRUE(refusedWith(pinhole(2490.0, 3000.0), {"fx and fy"}));
+  EXPECT_NO_THROW(Camera(pinhole(3000.0, 2510.0)));
+  EXPECT_NO_THROW(Camera(pinhole(2510.0, 3000.0)));
+}
+
+TEST(Camera, RefusesFieldsOfViewThatNoLensHas) {
+  // 2448 pixels wide: 150 degrees at 328 pixels, 2 degrees at 70123.
+  EXPECT_TRUE(refusedWith(pinhole(320.0, 320.0), {"field of view", "320", "150 degrees"}));
+  EXPECT_NO_THROW(Camera(pinhole(336.0, 336.0)));
+  EXPECT_TRUE(refusedWith(pinhole(71000.0, 71000.0), {"field of view", "2 to 150"}));
+  EXPECT_NO_THROW(Camera(pinhole(69000.0, 69000.0)));
+  // The longer side counts, whichever it is.
+  Camera::Model tall = pinhole(71000.0, 71000.0);
+  std::swap(tall.width, tall.height);
+  std::swap(tall.cx, tall.cy);
+  EXPECT_TRUE(refusedWith(tall, {"field of view"}));
+  tall.fx = tall.fy = 69000.0;
+  EXPECT_NO_THROW(Camera{tall});
+}
+
+TEST(Camera, RefusesAPrincipalPointOutsideOfTheImage) {
+  for (const double off : {-200.0, 0.0, 2447.0, 3000.0}) {
+    Camera::Model model = plumbBob();
+    model.cx = off;
+    EXPECT_TRUE(refusedWith(model, {"cx", "inside the image", "2447"})) << off;
+  }
+  for (const double off : {-200.0, 0.0, 2047.0, 3000.0}) {
+    Camera::Model model = plumbBob();
+    model.cy = off;
+    EXPECT_TRUE(refusedWith(model, {"cy", "inside the image", "2047"})) << off;
+  }
+  Camera::Model shifted = pinhole(3475.0, 3475.0);
+  shifted.cx = 300.0;
+  shifted.cy = 1900.0;
+  EXPECT_NO_THROW(Camera{shifted});
+}
+
+TEST(Camera, RefusesASkew) {
+  std::array<double, 9> K = {600.0, 0.0, 320.0, 0.0, 601.0, 240.0, 0.0, 0.0, 1.0};
+  const Camera::Model model = pinholeModel(640, 480, K);
+  EXPECT_EQ(model.width, 640);
+  EXPECT_EQ(model.height, 480);
+  EXPECT_EQ(model.fx, 600.0);
+  EXPECT_EQ(model.fy, 601.0);
+  EXPECT_EQ(model.cx, 320.0);
+  EXPECT_EQ(model.cy, 240.0);
+  for (const std::size_t i : {1, 3, 6, 7, 8}) {
+    auto other = K;
+    other[i] += 500.0;
+    EXPECT_TRUE(refuses([&] { pinholeModel(640, 480, other); },
+                        {i == 1 ? "skew" : "pinhole", i == 8 ? "501" : "500"}));
+  }
+}
+
+/// Radial factor 1 all over but in a narrow ring, where it falls to nothing and comes back.
+TEST(Camera, RefusesAFoldHoweverNarrow) {
+  Camera::Model model = wideAngle();
+  const double ring2 = 0.5;  // radius squared, inside the image
+  model.distortion = {-2.0 / ring2, 1.0 / (ring2 * ring2),    0.0, 0.0, 0.0,
+                      -2.0 / ring2, 1.0001 / (ring2 * ring2), 0.0};
+  EXPECT_TRUE(refusedWith(model, {"folds over"}));
+}
+
+TEST(Camera, RefusesAFoldByTangentialTerms) {
+  Camera::Model model = wideAngle();
+  model.distortion = {0.0, 0.0, 0.0, -0.2};
+  EXPECT_TRUE(refusedWith(model, {"folds over"}));
+}
+
+TEST(Camera, RefusesABendThatNoLensHas) {
+  Camera::Model model = plumbBob();
+  model.distortion_model = "rational_polynomial";
+  // Beyond a fifth of the way to the corner directions are pressed together more and more.
+  model.distortion = {0.0, 0.0, 0.0, 0.0, 0.0, 40.0, 0.0, 0.0};
+  EXPECT_TRUE(refuses([&] { Camera camera(model); }, {"lens model"}));
+}
+
+TEST(Camera, AcceptsWhatLensesDo) {
+  Camera::Model barrel = plumbBob();
+  barrel.fx = barrel.fy = 2000.0;
+  barrel.distortion = {-0.29, 0.09, 0.0, 0.0, -0.012};
+  EXPECT_NO_THROW(Camera{barrel});
+}
+
 TEST(Camera, RefusesALensThatFoldsOver) {
   Camera::Model model = plumbBob();
   model.distortion = {-3.5, 0.0, 0.0, 0.0, 0.0};
@@ -161,6 +268,7 @@ TEST_F(LoadCamera, NamesFileAndKeyOfWhatIsWrong) {
   EXPECT_TRUE(refused("camera_matrix", "matrix", {"camera_matrix/data", "missing"}));
   EXPECT_TRUE(refused("600.5, 0, 320", "600.5, 0.3, 320", {"camera_matrix/data", "0.3"}));
   EXPECT_TRUE(refused("240, 0, 0, 1]", "240]", {"camera_matrix/data"}));
+  EXPECT_TRUE(refused("600.5, 0, 320, 0, 601.25, 240", "1, 0, 0, 0, 1, 0", {"no calibration"}));
   EXPECT_TRUE(refused("600.5", ".nan", {"fx", "nan"}));
   EXPECT_TRUE(refused("600.5", "0.0", {"fx", "calibrated"}));
   EXPECT_TRUE(refused("plumb_bob", "fisheye", {"distortion_model", "fisheye"}));
