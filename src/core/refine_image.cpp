@@ -181,20 +181,26 @@ WeightedSystem weigh(const std::vector<Row>& rows, const Vector6d& xi, double tu
   return s;
 }
 
+constexpr int kStretches = 24;
+// What the residuals cannot tell: light, bevel and shadow move the edges of a whole side alike.
+constexpr int kSides = 8;
+constexpr double kBiasPx = 0.3;
+constexpr double kInsetBiasPx = 0.1;  // most of it is what makes the inset, and no error of it
+// What is known without any edge, that the pose is within a radius and a radian, as so many edges
+// with an error of a pixel.
+constexpr double kPrior = 1.0;
+
 /// Covariance of the settled pose, and pose and inset together by the final weights.
 void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, ImagePose* out) {
-  constexpr int kStretches = 24;
-  // What the residuals cannot tell: light, bevel and shadow move the edges of a whole side alike.
-  constexpr int kSides = 8;
-  constexpr double kBiasPx = 0.3;
-  constexpr double kInsetBiasPx = 0.1;  // most of it is what makes the inset, and no error of it
   const double inv2 = 1.0 / (tukey_px * tukey_px);
   WeightedSystem s = weigh(rows, xi, tukey_px);
   Vector6d h = Vector6d::Zero();
   double hh = 0.0, c = 0.0;
-  Matrix6d meat = Matrix6d::Zero();
+  // Few stretches may agree by chance: no edge is better than the bias.
+  Matrix6d meat = kBiasPx * kBiasPx * s.H + kPrior * Matrix6d::Identity();
   Vector6d stretch = Vector6d::Zero(), shift = Vector6d::Zero();
   const int n = static_cast<int>(rows.size());
+  int stretches = 0;
   for (int i = 0; i < n; ++i) {
     const Row& row = rows[i];
     const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r * inv2;
@@ -210,6 +216,7 @@ void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, Im
     }
     if ((i + 1) * kStretches / n != i * kStretches / n) {
       meat += stretch * stretch.transpose();
+      stretches += stretch.isZero(0.0) ? 0 : 1;
       stretch.setZero();
     }
     if ((i + 1) * kSides / n != i * kSides / n) {
@@ -217,10 +224,12 @@ void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, Im
       shift.setZero();
     }
   }
-  s.H.diagonal().array() += 1e-6 * s.H.trace() + 1e-12;
+  s.H.diagonal().array() += kPrior;
   const auto solver = s.H.ldlt();
   const Matrix6d inverse = solver.solve(Matrix6d::Identity());
-  out->covariance = inverse * meat * inverse * (kStretches / (kStretches - 6.0));
+  // Six unknowns follow the stretches; of six or fewer nothing is left to tell the error by.
+  const double left = std::max(1, stretches - 6);
+  out->covariance = inverse * meat * inverse * (std::max(7, stretches) / left);
   out->per_inset = -solver.solve(h);
   const Vector6d g = solver.solve(h);
   const double information = hh - h.dot(g);
@@ -276,7 +285,7 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
   // Levenberg-Marquardt: the rotation about a slender part's axis is so weakly held that undamped
   // steps leap.
   double lambda = 1e-3;
-  for (int k = 0; k < 5 && system.used >= 8; ++k) {
+  for (int k = 0; k < 5 && system.used >= kFewEdges; ++k) {
     Matrix6d H = system.H;
     H.diagonal() += lambda * system.H.diagonal();
     H.diagonal().array() += 1e-7 * system.H.trace() + 1e-12;
@@ -294,7 +303,7 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
     if (settled) break;
   }
   out.used = system.used;
-  if (out.used < 8) return out;
+  if (out.used < kFewEdges) return out;
   out.T_camera_centre = stepped(T_camera_centre, xi, solid.radius);
   out.residual_px = robustSpread(rows, xi, tukey_px);
   judge(rows, xi, tukey_px, &out);

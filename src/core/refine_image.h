@@ -43,15 +43,19 @@ void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<Loca
               const Solid& solid, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
               std::vector<EdgeHit>* hits);
 
+/// Fewer edges do not hold six unknowns against what is wrong with some of them.
+inline constexpr int kFewEdges = 8;
+
 struct ImagePose {
-  Eigen::Isometry3d T_camera_centre;
+  Eigen::Isometry3d T_camera_centre = Eigen::Isometry3d::Identity();
   double residual_px = 0.0;  ///< robust standard deviation of the offsets
   /// Of xi (translation in radii). Neighbouring points err alike (light, bevel, a neighbour's
   /// edge), so stretches of the outline count as the independent observations: the cluster-robust
-  /// (sandwich) estimate.
-  Matrix6d covariance = Matrix6d::Zero();
+  /// (sandwich) estimate. Before anything is seen, and where edges are too few, a radius and a
+  /// radian; so it stays in directions that no edge holds.
+  Matrix6d covariance = Matrix6d::Identity();
   Vector6d per_inset = Vector6d::Zero();  ///< how xi follows an error of the inset, both in radii
-  int used = 0;                           ///< points with a weight
+  int used = 0;  ///< points with a weight; where fewer than kFewEdges, the pose is left alone
   /// By how much the edges lie inside the outline everywhere (a bevelled cut edge), as this pose
   /// alone tells, and its standard deviation; both in radii, infinite where it cannot tell.
   double inset = 0.0, inset_sigma = std::numeric_limits<double>::infinity();
