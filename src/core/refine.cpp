@@ -5,6 +5,7 @@
 #include "evidence.h"
 #include "refine_field.h"
 #include "refiner.h"
+#include "visible_face.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +46,7 @@ std::vector<Tracked> Refiner::settle(const std::vector<Candidate>& candidates) c
     const auto settled = settleInField(
         edges_.field, outline.field, outline.part->radius(), c.T_camera_part * T_part_centre,
         params_.field_reach_radii * edges_.field.focal * outline.part->radius() /
-            c.T_camera_part.translation().z(),
+            (c.T_camera_part * T_part_centre).translation().z(),
         params_);
     poses[i] = {
         c.part, c.face, settled.T_camera_centre * T_part_centre.inverse(), settled.support, {}};
@@ -69,8 +70,9 @@ void Refiner::align(const std::vector<LocalPoint>& points, const ImageReach& rea
 }
 
 int Refiner::wideReach(const Tracked& pose) const {
-  const double radius_px = camera_.model().fx * outlines_[pose.part].part->radius() /
-                           pose.T_camera_part.translation().z();
+  const PartModel& part = *outlines_[pose.part].part;
+  const Eigen::Vector3d centre = pose.T_camera_part * centreOf(part, pose.face).translation();
+  const double radius_px = camera_.model().fx * part.radius() / centre.z();
   return std::clamp(static_cast<int>(std::lround(0.03 * radius_px)), 6, 14);
 }
 
@@ -124,6 +126,11 @@ double Refiner::supportAt(const Tracked& pose, const std::vector<LocalPoint>& po
   return meanSupport(hits, reach_px);
 }
 
+bool Refiner::isHeld(const Tracked& pose) const {
+  return pose.image.used >= kFewEdges &&
+         showsFace(*outlines_[pose.part].part, pose.T_camera_part, pose.face);
+}
+
 RefinedPose Refiner::finish(const Tracked& pose) const {
   RefinedPose out;
   out.part = pose.part;
@@ -144,7 +151,8 @@ RefinedPose Refiner::finish(const Tracked& pose) const {
       std::sqrt(std::pow((1.0 - share) * outline.inset_sigma, 2) + (1.0 - share) * all);
   // Below what any edge is good for: a tenth of a pixel over the whole outline is never beaten.
   constexpr double kFloorPx = 0.02;
-  const double floor = kFloorPx * pose.T_camera_part.translation().z() / (camera_.model().fx * r);
+  const double floor =
+      kFloorPx * pose.image.T_camera_centre.translation().z() / (camera_.model().fx * r);
   const Vector6d per_inset = pose.image.per_inset * (inset_sigma / r);
   Matrix6d covariance = pose.image.covariance + per_inset * per_inset.transpose();
   covariance.diagonal().array() += floor * floor;
@@ -183,7 +191,9 @@ std::vector<RefinedPose> refineCandidates(
   refiner.estimateInsets(poses);
   refiner.forAll(&poses, [&](auto* p) { refiner.alignNarrow(p); });
   std::vector<RefinedPose> out;
-  for (const auto& p : poses) out.push_back(refiner.finish(p));
+  for (const auto& p : poses) {
+    if (refiner.isHeld(p)) out.push_back(refiner.finish(p));
+  }
   return out;
 }
 

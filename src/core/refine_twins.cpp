@@ -6,10 +6,12 @@
 #include "print_evidence.h"
 #include "refine_field.h"
 #include "refiner.h"
+#include "visible_face.h"
 #include "wall_evidence.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 /// Refiner's choice between poses that look alike.
 
@@ -19,9 +21,13 @@ namespace {
 constexpr double kTiltUnsure =
     0.03;  // a lead in support that decides nothing about the tilt's sign
 
+/// The pose and its tilt twin as the lookalike's; what the image said was about the pose itself.
 Tracked twinOf(const Tracked& pose, const Lookalike& other) {
   Tracked twin = pose;
   twin.T_camera_part = pose.T_camera_part * other.T_part_lookalike;
+  twin.T_camera_twin = pose.T_camera_twin * other.T_part_lookalike;
+  twin.image = {};
+  twin.searched = false;
   if (other.flips) twin.face = pose.face == Face::kFront ? Face::kBack : Face::kFront;
   return twin;
 }
@@ -204,24 +210,23 @@ void Refiner::resolvePrint(Tracked* pose) const {
     if (other.exact) consider(twinOf(*pose, other));
   }
   *pose = print > 0.5 ? front : back;
+  if (pose->image.used == 0) alignNarrow(pose);  // a lookalike
 }
 
 void Refiner::settleTilts(std::vector<Tracked>* poses) const {
   constexpr double kAlike = 0.2;  // about 12 degrees
-  const auto up = [](const Eigen::Isometry3d& T) -> Eigen::Vector3d {
-    return T.linear().col(2) * (T.linear()(2, 2) > 0.0 ? -1.0 : 1.0);
-  };
   Eigen::Vector3d common = Eigen::Vector3d::Zero();
   double most = 0.0;
   for (const auto& p : *poses) {
-    const Eigen::Vector3d n = up(p.T_camera_part);
+    const Eigen::Vector3d n = normalOf(p.T_camera_part, p.face);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double weight = 0.0;
     for (const auto& o : *poses) {
       const double w = o.support * (o.ambiguous ? 0.3 : 1.0);
-      if ((up(o.T_camera_part) - n).norm() > kAlike) continue;
+      const Eigen::Vector3d other = normalOf(o.T_camera_part, o.face);
+      if ((other - n).norm() > kAlike) continue;
       weight += w;
-      sum += w * up(o.T_camera_part);
+      sum += w * other;
     }
     if (weight > most) {
       most = weight;
@@ -230,9 +235,11 @@ void Refiner::settleTilts(std::vector<Tracked>* poses) const {
   }
   for (auto& p : *poses) {
     if (!p.ambiguous) continue;
-    const double here = (up(p.T_camera_part) - common).norm();
-    const double twin = (up(p.T_camera_twin) - common).norm();
-    if (twin < 0.6 * here) std::swap(p.T_camera_part, p.T_camera_twin);
+    const double here = (normalOf(p.T_camera_part, p.face) - common).norm();
+    const double twin = (normalOf(p.T_camera_twin, p.face) - common).norm();
+    if (twin >= 0.6 * here) continue;
+    std::swap(p.T_camera_part, p.T_camera_twin);
+    alignNarrow(&p);
   }
 }
 

@@ -26,8 +26,9 @@ struct Tracked {
   Face face;
   Eigen::Isometry3d T_camera_part;
   double support;
-  ImagePose image;
-  /// The same, tilted the other way, where the image cannot tell (else as T_camera_part).
+  ImagePose image;  // of this very pose; the default until it is aligned in the image
+  /// Where `ambiguous`, the same with the same face up, but tilted the other way: the image cannot
+  /// tell them apart.
   Eigen::Isometry3d T_camera_twin = Eigen::Isometry3d::Identity();
   bool ambiguous = false;
   bool searched = false;  // about this very pose, in vain
@@ -93,6 +94,9 @@ class Refiner {
   /// is taken to lie at the mean.
   void estimateInsets(const std::vector<Tracked>& poses);
 
+  /// Whether enough edges hold the pose, and the camera can see the face that it says is up.
+  bool isHeld(const Tracked& pose) const;
+  /// @pre isHeld
   RefinedPose finish(const Tracked& pose) const;
 
  private:
