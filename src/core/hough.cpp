@@ -9,6 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
 
 namespace planar_bin_picking {
 namespace {
@@ -53,24 +56,38 @@ int stepsOver(double span, double step) {
   return std::max(1, static_cast<int>(std::ceil(span / step)));
 }
 
-std::vector<View> makeViews(const HoughTask& task, const HoughParams& params) {
-  // The faces of a mirror symmetric outline look the same; a print tells them apart later
-  // (refine.h).
-  std::vector<Face> faces = {Face::kFront};
-  if (!task.part->symmetry().mirror) faces.push_back(Face::kBack);
-  const int order = task.part->nearOrder();
-  const double yaw_range = order == 0 ? 0.0 : 2.0 * M_PI / order;
-  const int yaws = stepsOver(yaw_range, params.yaw_step_deg * M_PI / 180.0);
-  const double span = std::log(task.distance_max / task.distance_min);
-  const int distances = stepsOver(span, std::log(1.0 + params.distance_step));
+/// The views of a search before they are made: every face, distance, shape and yaw.
+struct ViewGrid {
+  std::vector<Face> faces;
+  int distances, yaws;
+  double span, yaw_range;  // of the distances' logarithm; rad
+  std::vector<Shape> shapes;
+
+  ViewGrid(const HoughTask& task, const HoughParams& params)
+      : faces({Face::kFront}), shapes(makeShapes(params.tilt_max_deg)) {
+    // The faces of a mirror symmetric outline look the same; a print tells them apart later
+    // (refine.h).
+    if (!task.part->symmetry().mirror) faces.push_back(Face::kBack);
+    const int order = task.part->nearOrder();
+    yaw_range = order == 0 ? 0.0 : 2.0 * M_PI / order;
+    yaws = stepsOver(yaw_range, params.yaw_step_deg * M_PI / 180.0);
+    span = std::log(task.distance_max / task.distance_min);
+    distances = stepsOver(span, std::log(1.0 + params.distance_step));
+  }
+  double count() const {
+    return static_cast<double>(faces.size() * shapes.size()) * distances * yaws;
+  }
+};
+
+std::vector<View> makeViews(const ViewGrid& grid, double distance_min) {
   std::vector<View> out;
-  for (const Face face : faces) {
-    for (int h = 0; h < distances; ++h) {
-      const double distance = task.distance_min * std::exp(span * (h + 0.5) / distances);
-      for (const auto& shape : makeShapes(params.tilt_max_deg)) {
-        for (int k = 0; k < yaws; ++k) {
-          const int sector = (face == Face::kBack ? kYawSectors : 0) + k * kYawSectors / yaws;
-          out.push_back({face, sector, yaw_range * k / yaws, distance, shape});
+  for (const Face face : grid.faces) {
+    for (int h = 0; h < grid.distances; ++h) {
+      const double distance = distance_min * std::exp(grid.span * (h + 0.5) / grid.distances);
+      for (const auto& shape : grid.shapes) {
+        for (int k = 0; k < grid.yaws; ++k) {
+          const int sector = (face == Face::kBack ? kYawSectors : 0) + k * kYawSectors / grid.yaws;
+          out.push_back({face, sector, grid.yaw_range * k / grid.yaws, distance, shape});
         }
       }
     }
@@ -100,6 +117,24 @@ struct Layout {
   std::vector<std::int32_t> offsets;
   int row0 = 0, row1 = 0, col0 = 0, col1 = 0;
 };
+
+/// What a search would allocate is known before: parameters at the ends of their ranges multiply.
+void checkMemory(const PartModel& part, const HoughParams& params, double views, double plane_bytes,
+                 std::size_t points) {
+  constexpr double kMost = 1e9;
+  constexpr double kPerView = sizeof(View) + sizeof(Layout) + 32.0;  // and its heap block's head
+  const double bytes = plane_bytes + views * (kPerView + points * sizeof(std::int32_t));
+  if (bytes <= kMost) return;
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(3);
+  text << "searching for part " << part.name() << " would take " << 1e-9 * bytes
+       << " GB, more than 1 GB, with " << views << " views; make hough/yaw_step_deg ("
+       << params.yaw_step_deg << ") or hough/distance_step (" << params.distance_step
+       << ") larger, hough/tilt_max_deg or edges/megapixels smaller, or bring the distances nearer "
+          "together";
+  throw std::invalid_argument(text.str());
+}
 
 Layout layOut(const std::vector<OutlinePoint>& points, const PartModel& part, const Field& field,
               const VotePlanes& planes, const View& view) {
@@ -223,10 +258,12 @@ std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& tas
   const double distance = std::sqrt(task.distance_min * task.distance_max);
   const double radius_px = field.focal * task.part->radius();
   const double half = std::max(1.0, 0.5 * radius_px / distance / params.radius_cells);
-  const VotePlanes planes = makePlanes(field, half, params.tolerance_cells * 2 * half,
-                                       radius_px / task.distance_min, threads);
+  VotePlanes planes = sizePlanes(field, half, radius_px / task.distance_min);
   const auto points = rasterPoints(*task.part, params.raster_points);
-  const auto views = makeViews(task, params);
+  const ViewGrid grid(task, params);
+  checkMemory(*task.part, params, grid.count(), planes.bytes(), points.size());
+  fillPlanes(field, params.tolerance_cells * 2 * half, threads, &planes);
+  const auto views = makeViews(grid, task.distance_min);
   std::vector<Layout> layouts(views.size());
   parallelFor(static_cast<int>(views.size()), threads,
               [&](int v) { layouts[v] = layOut(points, *task.part, field, planes, views[v]); });

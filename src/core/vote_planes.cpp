@@ -11,8 +11,7 @@
 
 namespace planar_bin_picking {
 
-VotePlanes makePlanes(const Field& field, double half, double tolerance_px, double reach_px,
-                      int threads) {
+VotePlanes sizePlanes(const Field& field, double half, double reach_px) {
   VotePlanes out;
   out.half = half;
   out.cols = static_cast<int>((field.width - 1) / (2 * half)) + 1;
@@ -20,6 +19,11 @@ VotePlanes makePlanes(const Field& field, double half, double tolerance_px, doub
   out.pad = 4 + static_cast<int>(std::ceil(reach_px / (2 * half)));
   out.pitch = out.cols + 2 * out.pad + kChunk;
   out.plane = static_cast<std::size_t>(out.rows + 2 * out.pad) * out.pitch;
+  return out;
+}
+
+void fillPlanes(const Field& field, double tolerance_px, int threads, VotePlanes* planes) {
+  VotePlanes& out = *planes;
   out.votes.assign(out.plane * 4 * kDirections, 0);
   std::array<std::uint8_t, 256> vote{};
   for (int d = 0; d < 256; ++d) {
@@ -27,17 +31,16 @@ VotePlanes makePlanes(const Field& field, double half, double tolerance_px, doub
     vote[d] = off <= 0.4 ? 3 : off <= 0.7 ? 2 : off <= 1.0 ? 1 : 0;
   }
   parallelFor(2 * out.rows, threads, [&](int hy) {
-    const int y = static_cast<int>(std::lround(hy * half));
+    const int y = static_cast<int>(std::lround(hy * out.half));
     if (y >= field.height) return;
     for (int hx = 0; hx < 2 * out.cols; ++hx) {
-      const int x = static_cast<int>(std::lround(hx * half));
+      const int x = static_cast<int>(std::lround(hx * out.half));
       if (x >= field.width) break;
       const auto* d = field.at(x, y);
       std::uint8_t* to = out.votes.data() + out.offset(0, hx, hy);
       for (int b = 0; b < kDirections; ++b) to[b * 4 * out.plane] = vote[d[b]];
     }
   });
-  return out;
 }
 
 void Bars::raise(int column, int count, int votes) {

@@ -29,13 +29,16 @@ struct VotePlanes {
     return (static_cast<std::size_t>(direction) * 4 + phase) * plane +
            static_cast<std::size_t>((hy >> 1) + pad) * pitch + (hx >> 1) + pad;
   }
+  double bytes() const { return 4.0 * kDirections * static_cast<double>(plane); }
 };
 
-/// @param half          half a cell, field pixels
+/// Sizes only, no votes yet: these take memory.
+/// @param half      half a cell, field pixels
+/// @param reach_px  of a raster point from the centre it votes for, at most
+VotePlanes sizePlanes(const Field& field, double half, double reach_px);
+
 /// @param tolerance_px  an edgel this far off a raster point still counts a little
-/// @param reach_px      of a raster point from the centre it votes for, at most
-VotePlanes makePlanes(const Field& field, double half, double tolerance_px, double reach_px,
-                      int threads);
+void fillPlanes(const Field& field, double tolerance_px, int threads, VotePlanes* planes);
 
 /// Positions of a row whose sums are made at a time, in registers.
 inline constexpr int kChunk = 64;

@@ -4,6 +4,7 @@
 
 #include "planar_bin_picking/edges.h"
 #include "pose_distance.h"
+#include "support/matchers.h"
 #include "support/plates.h"
 
 #include <gtest/gtest.h>
@@ -160,6 +161,29 @@ TEST(Hough, SeveralPartsOfOneKind) {
 TEST(Hough, NoEdgesNoCandidates) {
   const auto part = makePart("bracket", bracketPlate());
   EXPECT_TRUE(candidatesOf(edgesOf(sim::Scene()), *part).empty());
+}
+
+TEST(Hough, RefusesASearchThatWouldTakeTooMuchMemory) {
+  const auto part = makePart("bracket", bracketPlate());
+  const EdgeMap edges = edgesOf({});
+  HoughParams params;
+  params.yaw_step_deg = 0.5;
+  params.distance_step = 0.005;
+  params.tilt_max_deg = 60.0;
+  const auto search = [&](double distance_max) {
+    findCandidates(edges, {part.get(), 0, 0.3, distance_max}, params, 1);
+  };
+  EXPECT_TRUE(refuses([&] { search(3.0); }, {"bracket", "GB", "hough/yaw_step_deg (0.5)",
+                                             "hough/distance_step (0.005)"}));
+  // One grain for near and far: a huge picture of a near part.
+  EdgeMap wide;
+  wide.field.width = wide.field.height = 20000;
+  wide.field.focal = 1000.0;
+  EXPECT_TRUE(refuses(
+      [&] {
+        findCandidates(wide, {part.get(), 0, 2.0, 2.0}, {}, 1);
+      },
+      {"GB", "edges/megapixels"}));
 }
 
 }  // namespace
