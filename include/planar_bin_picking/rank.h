@@ -22,9 +22,8 @@ struct RankParams {
 };
 
 /// @param score_min  poses below are left out
-/// @param max_parts  0 = all
 std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
                                  const std::vector<std::shared_ptr<const PartModel>>& parts,
-                                 double score_min, std::size_t max_parts, const RankParams& params);
+                                 double score_min, const RankParams& params);
 
 }  // namespace planar_bin_picking

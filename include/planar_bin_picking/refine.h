@@ -14,7 +14,9 @@
 namespace planar_bin_picking {
 
 struct RefineParams {
-  double tilt_limit_deg = 40.0;  ///< Theta_lim of Eq. (7): beyond, a pose is penalised
+  /// Theta_lim of Eq. (7): beyond, a pose is penalised; what stays beyond is not answered
+  /// (locator.h).
+  double tilt_limit_deg = 40.0;
   int field_points = 64;
   int field_iterations = 14;
   double field_reach_radii = 0.13;  ///< radii of the part within which an edgel attracts, at first

@@ -2,10 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/locator.h"
 
+#include "answer.h"
 #include "common_lie.h"
+#include "visible_face.h"
 
+#include <algorithm>
+#include <cassert>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
+#include <locale>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -51,13 +58,37 @@ void check(const cv::Mat& image, const Camera& camera, const LocateRequest& requ
   }
   if (image.cols < 64 || image.rows < 64) refuse("the image is smaller than 64 x 64 pixels");
   if (request.parts.empty()) refuse("no part is given");
-  if (!(request.distance_min > 0.0) || !(request.distance_max >= request.distance_min)) {
-    refuse("distances " + std::to_string(request.distance_min) + " .. " +
-           std::to_string(request.distance_max) + " m; they must satisfy 0 < min <= max");
-  }
+  checkDistances(request.distance_min, request.distance_max);
+  for (const auto& part : request.parts)
+    checkPartSize(*part, camera, request.distance_min, request.distance_max);
+}
+
+bool showsFace(const ScoredPose& pose, const std::vector<std::shared_ptr<const PartModel>>& parts) {
+  return showsFace(*parts[pose.part], pose.T_camera_part, pose.face);
+}
+
+/// A robot sent to a pose whose z says the other face than `face` would come from the wrong side.
+void dropContradictions(const std::vector<std::shared_ptr<const PartModel>>& parts,
+                        std::vector<ScoredPose>* poses) {
+  const auto contradicts = [&](const ScoredPose& pose) { return !showsFace(pose, parts); };
+  poses->erase(std::remove_if(poses->begin(), poses->end(), contradicts), poses->end());
 }
 
 }  // namespace
+
+void checkDistances(double distance_min, double distance_max) {
+  // Written so that what is not a number is refused, too.
+  const bool good = distance_min >= kDistanceLeast && distance_max <= kDistanceMost &&
+                    distance_max >= distance_min &&
+                    distance_max <= kDistanceRatioMost * distance_min;
+  if (good) return;
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << "distances " << distance_min << " .. " << distance_max << " m; they must satisfy "
+       << kDistanceLeast << " <= min <= max <= " << kDistanceMost
+       << " and max <= " << kDistanceRatioMost << " min";
+  refuse(text.str());
+}
 
 Locator::Locator(const LocatorParams& params) : params_(params) {
   validate(params_);
@@ -112,11 +143,14 @@ LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
     clock.finish("plane", refined.size());
   }
 
-  const auto scored = scorePoses(edges, camera, request.parts, refined, params_.score, threads);
+  auto scored = scorePoses(edges, camera, request.parts, refined, params_.score, threads);
+  dropContradictions(request.parts, &scored);
   clock.finish("score", scored.size());
 
-  result.detections =
-      rankPoses(scored, request.parts, params_.score.threshold, request.max_parts, params_.rank);
+  const auto ranked = rankPoses(scored, request.parts, params_.score.threshold, params_.rank);
+  answerRequest(ranked, request, camera, params_.refine.tilt_limit_deg, &result);
+  assert(std::all_of(result.detections.begin(), result.detections.end(),
+                     [&](const Detection& d) { return showsFace(d, request.parts); }));
   clock.finish("rank", result.detections.size());
   return result;
 }

@@ -62,8 +62,7 @@ double overlap(const Mask& a, const Mask& b) {
 
 std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
                                  const std::vector<std::shared_ptr<const PartModel>>& parts,
-                                 double score_min, std::size_t max_parts,
-                                 const RankParams& params) {
+                                 double score_min, const RankParams& params) {
   std::vector<const ScoredPose*> order;
   for (const auto& s : scored) {
     if (s.score >= score_min) order.push_back(&s);
@@ -77,7 +76,6 @@ std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
   std::vector<Detection> out;
   std::vector<Mask> masks;
   for (const auto* s : order) {
-    if (max_parts > 0 && out.size() >= max_parts) break;
     const Mask mask = maskOf(*parts[s->part], *s);
     const bool taken = std::any_of(masks.begin(), masks.end(), [&](const Mask& m) {
       return std::max(overlap(mask, m), overlap(m, mask)) > params.overlap_max;
