@@ -23,7 +23,7 @@ struct HoughParams {
   double distance_step = 0.06;  ///< relative
   double tilt_max_deg = 40.0;
   int raster_points = 80;  ///< along the outline
-  double votes_min = 0.5;  ///< share of the highest possible vote
+  double votes_min = 0.3;  ///< share of the highest possible vote
   int tile_cells = 4;
   int max_candidates = 800;
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/edges.h"
 
+#include "noise.h"
 #include "parallel.h"
 #include "scharr.h"
 #include "simd.h"
@@ -35,75 +36,20 @@ cv::Mat toEightBits(const cv::Mat& image) {
   return out;
 }
 
-Base shrinkImage(const cv::Mat& image, const EdgesParams& params) {
-  Base base;
-  base.shrink = std::max(
-      1, static_cast<int>(std::lround(std::sqrt(image.total() / (params.megapixels * 1e6)))));
-  cv::Mat small = image;
-  if (base.shrink > 1) {
-    // Only whole blocks, so that base pixel (x, y) is the mean of exactly shrink x shrink pixels.
-    const cv::Rect whole(0, 0, image.cols / base.shrink * base.shrink,
-                         image.rows / base.shrink * base.shrink);
-    cv::resize(image(whole), small, {whole.width / base.shrink, whole.height / base.shrink}, 0, 0,
-               cv::INTER_AREA);
-  }
-  base.grey = small;
+Base shrinkImage(const cv::Mat& image, int shrink) {
+  if (shrink == 1) return {image, 1};
+  // Only whole blocks, so that base pixel (x, y) is the mean of exactly shrink x shrink pixels.
+  const cv::Rect whole(0, 0, image.cols / shrink * shrink, image.rows / shrink * shrink);
+  Base base{{}, shrink};
+  cv::resize(image(whole), base.grey, {whole.width / shrink, whole.height / shrink}, 0, 0,
+             cv::INTER_AREA);
   return base;
 }
 
-/// Noise of the base image by grey level, from small blocks: each block's median |second
-/// difference| (Gaussian noise of sigma s gives 0.6745 * sqrt(6) * s), then the median of the
-/// blocks of about that level. Edges fill few blocks, so they do not count; texture does, as it
-/// should.
-std::array<float, 256> estimateNoise(const cv::Mat& grey) {
-  constexpr int kLevels = 16, kMaxDifference = 64, kBlock = 8, kFewBlocks = 20;
-  constexpr float kToSigma = 1.0f / (0.6745f * 2.449f), kFinest = 0.3f;
-  std::array<std::array<int, kMaxDifference * 4>, kLevels> counts{};  // by median, quarter steps
-  std::array<int, kLevels> blocks{};
-  for (int y = 0; y + kBlock <= grey.rows; y += kBlock) {
-    for (int x = 0; x + kBlock + 2 <= grey.cols; x += kBlock) {
-      std::array<int, kMaxDifference> inside{};
-      int sum = 0;
-      for (int j = 0; j < kBlock; j += 2) {
-        const auto* p = grey.ptr<std::uint8_t>(y + j) + x + 1;
-        for (int i = 0; i < kBlock; ++i) {
-          ++inside[std::min(std::abs(2 * p[i] - p[i - 1] - p[i + 1]), kMaxDifference - 1)];
-          sum += p[i];
-        }
-      }
-      constexpr int kCount = kBlock * kBlock / 2;
-      int below = 0, d = 0;
-      while (below + inside[d] < kCount / 2) below += inside[d++];
-      // Interpolated inside the integer step: fine noise is a fraction of a grey level.
-      const int quarter = 4 * d + 4 * (kCount / 2 - below) / inside[d];
-      const int level = sum / kCount * kLevels / 256;
-      ++counts[level][std::min(quarter, 4 * kMaxDifference - 1)];
-      ++blocks[level];
-    }
-  }
-  std::array<float, kLevels> sigma{};
-  int known = -1;
-  for (int level = 0; level < kLevels; ++level) {
-    if (blocks[level] < kFewBlocks) continue;
-    int below = 0, q = 0;
-    while (below + counts[level][q] < (blocks[level] + 1) / 2) below += counts[level][q++];
-    sigma[level] = std::max(q / 4.0f - 0.5f, kFinest) * kToSigma;
-    // Levels that only edges have: between their neighbours.
-    for (int k = known + 1; k < level; ++k) {
-      sigma[k] = known < 0
-                     ? sigma[level]
-                     : sigma[known] + (sigma[level] - sigma[known]) * (k - known) / (level - known);
-    }
-    known = level;
-  }
-  for (int k = known + 1; k < kLevels; ++k) sigma[k] = known < 0 ? kFinest : sigma[known];
-  std::array<float, 256> out{};
-  for (int g = 0; g < 256; ++g) {
-    const float at = std::clamp(g * kLevels / 256.0f - 0.5f, 0.0f, kLevels - 1.001f);
-    const int i = static_cast<int>(at);
-    out[g] = sigma[i] + (at - i) * (sigma[i + 1] - sigma[i]);
-  }
-  return out;
+/// By how much the image is shrunk to be of about the size that the parameters say.
+int usualShrink(const cv::Mat& image, const EdgesParams& params) {
+  return std::max(
+      1, static_cast<int>(std::lround(std::sqrt(image.total() / (params.megapixels * 1e6)))));
 }
 
 /// What is found in the base image.
@@ -340,27 +286,21 @@ std::vector<Edgel> placeEdgels(const Marks& marks, const UndistortGrid& undistor
   return out;
 }
 
-}  // namespace
-
-EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams& params,
-                  int threads) {
-  EdgeMap map;
-  map.image = toEightBits(image);
-  const Base base = shrinkImage(map.image, params);
-  map.noise = estimateNoise(base.grey);
-
+/// The field of the image at one scale; adds the number of its edgels.
+Field makeField(const Base& base, const std::array<float, 256>& noise, const Camera& camera,
+                const EdgesParams& params, int threads, std::size_t* count) {
   const Texture texture(base.grey, threads);
   Marks marks{cv::Mat_<std::uint8_t>(base.grey.size(), std::uint8_t{0}),
               cv::Mat_<std::uint8_t>(base.grey.size(), std::uint8_t{0})};
   constexpr int kBand = 64;
   const int bands = (base.grey.rows + kBand - 1) / kBand;
   parallelFor(bands, threads, [&](int i) {
-    markEdgels(base.grey, map.noise, texture, params, i * kBand,
+    markEdgels(base.grey, noise, texture, params, i * kBand,
                std::min((i + 1) * kBand, base.grey.rows), &marks);
   });
 
-  const UndistortGrid undistort(camera, base, &map.field);
-  Field& field = map.field;
+  Field field;
+  const UndistortGrid undistort(camera, base, &field);
   field.distance.assign(static_cast<std::size_t>(field.width) * field.height * kDirections,
                         kFarDistance);
   std::vector<std::vector<Edgel>> edgels(bands);
@@ -374,14 +314,42 @@ EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams&
       std::uint8_t& distance = field.distance[edgel.place];
       distance = std::min(distance, edgel.is_faint ? farther : std::uint8_t{0});
     }
-    map.edgels += band.size();
+    *count += band.size();
   }
   distanceTransform(&field, threads);
   parallelFor((field.height + kBand - 1) / kBand, threads, [&](int i) {
     spreadDirections(&field, params.direction_cost_px, i * kBand,
                      std::min((i + 1) * kBand, field.height));
   });
+  return field;
+}
+
+}  // namespace
+
+EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const std::vector<double>& radii_px,
+                  const EdgesParams& params, int threads) {
+  EdgeMap map;
+  map.image = toEightBits(image);
+  const int usual = usualShrink(map.image, params);
+  std::vector<int> shrinks;  // by field
+  for (const double radius_px : radii_px) {
+    const int shrink = std::max(usual, static_cast<int>(radius_px / params.radius_px));
+    const auto known = std::find(shrinks.begin(), shrinks.end(), shrink);
+    map.field_of.push_back(static_cast<std::size_t>(known - shrinks.begin()));
+    if (known == shrinks.end()) shrinks.push_back(shrink);
+  }
+  map.noise = estimateNoise(shrinkImage(map.image, usual).grey);
+  for (const int shrink : shrinks) {
+    const Base base = shrinkImage(map.image, shrink);
+    const auto noise = shrink == usual ? map.noise : estimateNoise(base.grey);
+    map.fields.push_back(makeField(base, noise, camera, params, threads, &map.edgels));
+  }
   return map;
+}
+
+EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams& params,
+                  int threads) {
+  return findEdges(image, camera, {params.radius_px}, params, threads);
 }
 
 }  // namespace planar_bin_picking

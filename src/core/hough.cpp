@@ -254,7 +254,7 @@ void addCandidates(const Bin& bin, const View& view, const HoughTask& task,
 
 std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& task,
                                       const HoughParams& params, int threads) {
-  const Field& field = edges.field;
+  const Field& field = edges.fieldOf(task.part_index);
   const double distance = std::sqrt(task.distance_min * task.distance_max);
   const double radius_px = field.focal * task.part->radius();
   const double half = std::max(1.0, 0.5 * radius_px / distance / params.radius_cells);

@@ -117,7 +117,11 @@ LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
   Clock clock(&result.report);
   const int threads = params_.threads;
 
-  const EdgeMap edges = findEdges(image, camera, params_.edges, threads);
+  std::vector<double> radii_px;
+  const double distance = std::sqrt(request.distance_min * request.distance_max);
+  for (const auto& part : request.parts)
+    radii_px.push_back(camera.model().fx * part->radius() / distance);
+  const EdgeMap edges = findEdges(image, camera, radii_px, params_.edges, threads);
   clock.finish("edges", edges.edgels);
 
   const std::optional<Plane> plane = request.plane ? request.plane : planeOf(params_.plane);

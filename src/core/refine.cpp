@@ -43,11 +43,13 @@ std::vector<Tracked> Refiner::settle(const std::vector<Candidate>& candidates) c
     const auto& c = candidates[i];
     const auto& outline = outlines_[c.part];
     const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, c.face);
-    const auto settled = settleInField(
-        edges_.field, outline.field, outline.part->radius(), c.T_camera_part * T_part_centre,
-        params_.field_reach_radii * edges_.field.focal * outline.part->radius() /
-            (c.T_camera_part * T_part_centre).translation().z(),
-        params_);
+    const Eigen::Isometry3d T_camera_centre = c.T_camera_part * T_part_centre;
+    const Field& field = edges_.fieldOf(c.part);
+    const auto settled =
+        settleInField(field, outline.field, outline.part->radius(), T_camera_centre,
+                      params_.field_reach_radii * field.focal * outline.part->radius() /
+                          T_camera_centre.translation().z(),
+                      params_);
     poses[i] = {
         c.part, c.face, settled.T_camera_centre * T_part_centre.inverse(), settled.support, {}};
   });

@@ -101,7 +101,7 @@ double Refiner::supportOn(const Tracked& pose, const PartModel& part,
 double Refiner::supportInFieldOn(const Tracked& pose, const PartModel& part,
                                  const std::vector<int>& indices) const {
   constexpr double kReachPx = 2.0;
-  return supportInField(edges_.field, pointsAt(part, indices), part.radius(),
+  return supportInField(edges_.fieldOf(pose.part), pointsAt(part, indices), part.radius(),
                         pose.T_camera_part * centreOf(part, pose.face), kReachPx);
 }
 

@@ -60,8 +60,8 @@ double distanceAt(const Field& field, const Eigen::Vector2d& ideal, int bin) {
 TEST(Edges, AFlatImageHasNone) {
   const EdgeMap map = edgesOf(cv::Mat(480, 640, CV_8U, cv::Scalar(90)), camera(true));
   EXPECT_EQ(map.edgels, 0u);
-  ASSERT_FALSE(map.field.distance.empty());
-  EXPECT_EQ(*std::min_element(map.field.distance.begin(), map.field.distance.end()), kFarDistance);
+  ASSERT_FALSE(map.fieldOf(0).distance.empty());
+  EXPECT_EQ(*std::min_element(map.fieldOf(0).distance.begin(), map.fieldOf(0).distance.end()), kFarDistance);
 }
 
 TEST(Edges, AStepIsFoundInPlaceAndDirection) {
@@ -71,10 +71,10 @@ TEST(Edges, AStepIsFoundInPlaceAndDirection) {
     const int bin = directionBin(n.x(), n.y()), across = (bin + kDirections / 2) % kDirections;
     for (const double along : {-120.0, -31.0, 0.0, 77.0}) {  // image pixels
       const Eigen::Vector2d on = along * Eigen::Vector2d(-n.y(), n.x()) / 900.0;
-      EXPECT_LE(distanceAt(map.field, on, bin), 1.0) << angle_deg << ", " << along;
-      EXPECT_GT(distanceAt(map.field, on, across), 20.0) << angle_deg << ", " << along;
+      EXPECT_LE(distanceAt(map.fieldOf(0), on, bin), 1.0) << angle_deg << ", " << along;
+      EXPECT_GT(distanceAt(map.fieldOf(0), on, across), 20.0) << angle_deg << ", " << along;
       // The next direction may serve at the price of one field pixel.
-      EXPECT_LE(distanceAt(map.field, on, (bin + 1) % kDirections), 2.0) << angle_deg;
+      EXPECT_LE(distanceAt(map.fieldOf(0), on, (bin + 1) % kDirections), 2.0) << angle_deg;
     }
   }
 }
@@ -85,9 +85,9 @@ TEST(Edges, DistancesGrowAcrossAStep) {
     const EdgeMap map = edgesOf(stepImage(n), camera(false));
     const int bin = directionBin(n.x(), n.y());
     for (int off = -30; off <= 30; off += 3) {  // field pixels
-      const Eigen::Vector2d at = off * map.field.image_px / 900.0 * n;
+      const Eigen::Vector2d at = off * map.fieldOf(0).image_px / 900.0 * n;
       // The 3-4 chamfer is right to 6 %; rounding to field pixels at both ends adds one.
-      EXPECT_NEAR(distanceAt(map.field, at, bin), std::abs(off), 1.0 + 0.06 * std::abs(off))
+      EXPECT_NEAR(distanceAt(map.fieldOf(0), at, bin), std::abs(off), 1.0 + 0.06 * std::abs(off))
           << angle_deg << ", " << off;
     }
   }
@@ -101,8 +101,8 @@ TEST(Edges, TheLensIsUndone) {
   for (double s = -0.9; s <= 0.9; s += 0.1) {
     for (const double side : {-1.0, 1.0}) {
       // Half a field pixel each from the edgel's and the asked pixel's rounding, in either axis.
-      EXPECT_LE(distanceAt(map.field, {side * 0.3, s * 0.22}, 0), 4.0 / 3.0) << s;
-      EXPECT_LE(distanceAt(map.field, {s * 0.3, side * 0.22}, kDirections / 2), 4.0 / 3.0) << s;
+      EXPECT_LE(distanceAt(map.fieldOf(0), {side * 0.3, s * 0.22}, 0), 4.0 / 3.0) << s;
+      EXPECT_LE(distanceAt(map.fieldOf(0), {s * 0.3, side * 0.22}, kDirections / 2), 4.0 / 3.0) << s;
     }
   }
 }
@@ -149,7 +149,7 @@ TEST(Edges, TwelveBitsInSixteenEqualEight) {
   const EdgeMap a = edgesOf(eight, camera(true)), b = edgesOf(twelve, camera(true));
   EXPECT_GT(a.edgels, 300u);
   EXPECT_EQ(a.edgels, b.edgels);
-  EXPECT_TRUE(a.field.distance == b.field.distance);
+  EXPECT_TRUE(a.fieldOf(0).distance == b.fieldOf(0).distance);
   EXPECT_EQ(a.noise, b.noise);
   EXPECT_EQ(cv::norm(a.image, b.image, cv::NORM_INF), 0.0);
 }
@@ -161,7 +161,7 @@ TEST(Edges, ThreadsDoNotMatter) {
   for (const int threads : {2, 3}) {
     const EdgeMap more = edgesOf(image, camera(true), threads);
     EXPECT_EQ(more.edgels, one.edgels);
-    EXPECT_TRUE(more.field.distance == one.field.distance);
+    EXPECT_TRUE(more.fieldOf(0).distance == one.fieldOf(0).distance);
   }
 }
 
@@ -172,9 +172,9 @@ TEST(Edges, LargeImagesAreShrunkByWholeNumbers) {
   for (double* v : {&large.fx, &large.fy, &large.cx, &large.cy}) *v *= 3.0;
   const sim::Plate plate{rectangle(-150, -110, 150, 110), {}, {}, 0.0};
   const EdgeMap map = edgesOf(sim::takeImage(large, sceneOf(plate, {0, 0, 500})), large);
-  EXPECT_EQ(map.field.image_px, 2.0 * std::lround(std::sqrt(2.7648 / 1.3)));
+  EXPECT_EQ(map.fieldOf(0).image_px, 2.0 * std::lround(std::sqrt(2.7648 / 1.3)));
   for (double s = -0.9; s <= 0.9; s += 0.1) {
-    EXPECT_LE(distanceAt(map.field, {0.3, s * 0.22}, 0), 4.0 / 3.0) << s;
+    EXPECT_LE(distanceAt(map.fieldOf(0), {0.3, s * 0.22}, 0), 4.0 / 3.0) << s;
   }
 }
 

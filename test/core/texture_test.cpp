@@ -61,9 +61,9 @@ TEST(Texture, ItsEdgelsCountAsFarther) {
   EdgesParams params;
   const auto shareAtZero = [&](const EdgeMap& map, int x0, int x1) {
     int zero = 0, all = 0;
-    for (int y = 20; y < map.field.height - 20; ++y) {
+    for (int y = 20; y < map.fieldOf(0).height - 20; ++y) {
       for (int x = x0; x < x1; ++x, ++all) {
-        const auto* d = map.field.at(x, y);
+        const auto* d = map.fieldOf(0).at(x, y);
         zero += *std::min_element(d, d + kDirections) == 0;
       }
     }
@@ -73,7 +73,7 @@ TEST(Texture, ItsEdgelsCountAsFarther) {
   params.texture_factor = 0.0;
   const EdgeMap without = findEdges(mottledImage(), makeCamera(camera), params, 1);
   EXPECT_EQ(map.edgels, without.edgels);  // none is lost
-  const int step = static_cast<int>(map.field.cx), right = map.field.width - 10;
+  const int step = static_cast<int>(map.fieldOf(0).cx), right = map.fieldOf(0).width - 10;
   EXPECT_GT(shareAtZero(without, step + 20, right), 0.3);
   EXPECT_LT(shareAtZero(map, step + 20, right), 0.5 * shareAtZero(without, step + 20, right));
   // The step itself stands as it did: one column of the field.
