@@ -193,7 +193,7 @@ Drawing assemble(const DxfFile& file, const DrawingParams& params) {
   if (edges.empty()) refuseNothingDrawn(selection);
   warnOfLineTypes(selection, edges, &drawing.warnings);
   const std::vector<Contour> contours = contoursOf(edges, tolerance);
-  checkPassedOver(selection.passed_over, contours, tolerance, &drawing.warnings);
+  checkPassedOver(selection, contours, tolerance, &drawing.warnings);
   drawing.loops = classify(contours);
   const Contour outer{"", "", true, drawing.loops.front().points};
   warnOfSize(file.header, params.units, outer, &drawing.warnings);

@@ -36,8 +36,7 @@ std::vector<Loop> classify(const std::vector<Contour>& contours);
 /// @param warnings  gets what was left out and might have been a hole, or a frame
 /// @throws std::runtime_error  a closed contour around all edges was left out that may be the
 /// outline
-void checkPassedOver(const std::vector<PassedOver>& passed_over,
-                     const std::vector<Contour>& contours, double tolerance,
-                     std::vector<std::string>* warnings);
+void checkPassedOver(const EdgeSelection& selection, const std::vector<Contour>& contours,
+                     double tolerance, std::vector<std::string>* warnings);
 
 }  // namespace planar_bin_picking

@@ -5,6 +5,7 @@
 #include "strokes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -23,10 +24,10 @@ struct LeftOutContour {
 
 /// What was left out cannot refuse the part: if there is too much of it to look at, a warning says
 /// so.
-std::vector<LeftOutContour> closedContours(const std::vector<PassedOver>& passed_over,
-                                           double tolerance, std::vector<std::string>* warnings) {
+std::vector<LeftOutContour> closedContours(const EdgeSelection& selection, double tolerance,
+                                           std::vector<std::string>* warnings) {
   std::map<std::pair<bool, std::string>, std::vector<const PassedOver*>> rules;
-  for (const PassedOver& p : passed_over) rules[{p.by_line_type, p.name}].push_back(&p);
+  for (const PassedOver& p : selection.passed_over) rules[{p.by_line_type, p.name}].push_back(&p);
   std::vector<LeftOutContour> closed;
   for (const auto& [key, members] : rules) {
     std::vector<Stroke> strokes;
@@ -38,12 +39,18 @@ std::vector<LeftOutContour> closedContours(const std::vector<PassedOver>& passed
       warnings->push_back("layer or line type " + key.second + " was not searched for holes: it " +
                           e.what());
     }
-    for (Contour contour : contours) {
+    const auto left_out = selection.left_out.find("layer " + key.second);
+    const bool alone = contours.size() == 1 && left_out != selection.left_out.end() &&
+                       left_out->second <= members.size();
+    for (Contour& contour : contours) {
       smooth(&contour, tolerance);
       if (contour.closed && contour.points.size() >= 3)
-        closed.push_back({std::move(contour), members.front(), contours.size() == 1});
+        closed.push_back({std::move(contour), members.front(), alone});
     }
   }
+  std::stable_sort(closed.begin(), closed.end(), [](const auto& a, const auto& b) {
+    return std::abs(signedArea(a.contour.points)) > std::abs(signedArea(b.contour.points));
+  });
   return closed;
 }
 
@@ -107,10 +114,9 @@ bool mayBeHole(const Contour& candidate, const std::vector<Contour>& contours,
 
 }  // namespace
 
-void checkPassedOver(const std::vector<PassedOver>& passed_over,
-                     const std::vector<Contour>& contours, double tolerance,
-                     std::vector<std::string>* warnings) {
-  const std::vector<LeftOutContour> closed = closedContours(passed_over, tolerance, warnings);
+void checkPassedOver(const EdgeSelection& selection, const std::vector<Contour>& contours,
+                     double tolerance, std::vector<std::string>* warnings) {
+  const std::vector<LeftOutContour> closed = closedContours(selection, tolerance, warnings);
   const Contour& outer = largestOf(contours);
   const bool nested = areNested(contours, outer);
   std::map<std::string, std::size_t> holes;

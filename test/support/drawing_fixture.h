@@ -25,6 +25,9 @@ class DrawingTest : public testing::Test {
   Drawing load(const DxfWriter& dxf, const DrawingParams& params = {}) {
     return loadDrawing(dir_.write("part.dxf", dxf.text()), params);
   }
+  Drawing load(const std::string& text, const DrawingParams& params = {}) {
+    return loadDrawing(dir_.write("part.dxf", text), params);
+  }
   /// The error's words, besides the file's name.
   testing::AssertionResult refused(const std::string& text, std::vector<std::string> words) {
     words.push_back("part.dxf");
@@ -33,6 +36,10 @@ class DrawingTest : public testing::Test {
   }
   testing::AssertionResult refused(const DxfWriter& dxf, const std::vector<std::string>& words) {
     return refused(dxf.text(), words);
+  }
+  testing::AssertionResult refused(const DxfWriter& dxf, const DrawingParams& params,
+                                   const std::vector<std::string>& words) {
+    return refuses([&] { load(dxf, params); }, words);
   }
 
   TempDir dir_;
@@ -76,6 +83,23 @@ double worst(const Loop& loop, const Implicit& implicit) {
 inline double worstOffCircle(const Loop& loop, double x, double y, double radius) {
   return worst(
       loop, [&](const Eigen::Vector2d& p) { return (p - Eigen::Vector2d(x, y)).norm() - radius; });
+}
+
+/// In mm2, holes subtracted.
+inline double areaMm2(const Drawing& drawing) {
+  double area = 0.0;
+  for (const Loop& loop : drawing.loops)
+    area += loop.kind == LoopKind::kPrint ? 0.0 : 1e6 * signedArea(loop.points);
+  return area;
+}
+
+/// Whether one of the texts holds all words.
+inline bool says(const std::vector<std::string>& texts, const std::vector<std::string>& words) {
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) {
+    return std::all_of(words.begin(), words.end(), [&](const std::string& word) {
+      return text.find(word) != std::string::npos;
+    });
+  });
 }
 
 inline int count(const Drawing& drawing, LoopKind kind) {

@@ -46,6 +46,23 @@ class DxfWriter {
   /// 4 = millimetres; -1 = no $INSUNITS in the file.
   explicit DxfWriter(int insunits = 4) : insunits_(insunits) {}
 
+  /// A variable of the header.
+  DxfWriter& variable(const std::string& name, const DxfGroups& groups) {
+    header_ += toText({{9, name}}) + toText(groups);
+    return *this;
+  }
+  /// Lengths of dashes, negative for gaps, 0 for dots; none = a continuous line.
+  DxfWriter& lineType(const std::string& name, const std::vector<double>& pattern) {
+    DxfGroups groups = {{0, "LTYPE"}, {2, name}, {70, 0}, {73, static_cast<int>(pattern.size())}};
+    for (const double dash : pattern) groups.emplace_back(49, dash);
+    layers_ += toText(groups);
+    return *this;
+  }
+  DxfWriter& dimensionStyle(const std::string& name, double factor) {
+    layers_ += toText({{0, "DIMSTYLE"}, {2, name}, {70, 0}, {144, factor}});
+    return *this;
+  }
+
   /// A negative colour switches the layer off, flag 1 freezes it.
   DxfWriter& layer(const std::string& name, int color = 7, int flags = 0,
                    const std::string& linetype = "Continuous") {
@@ -54,8 +71,10 @@ class DxfWriter {
   }
 
   /// Entities that follow stand in this block, until endBlock().
-  DxfWriter& block(const std::string& name, double base_x = 0.0, double base_y = 0.0) {
-    blocks_ += toText({{0, "BLOCK"}, {8, "0"}, {2, name}, {70, 0}, {10, base_x}, {20, base_y}});
+  DxfWriter& block(const std::string& name, double base_x = 0.0, double base_y = 0.0, int flags = 0,
+                   const std::string& path = "") {
+    blocks_ += toText({{0, "BLOCK"}, {8, "0"}, {2, name}, {70, flags}, {10, base_x}, {20, base_y}});
+    if (!path.empty()) blocks_ += toText({{1, path}});
     in_block_ = true;
     return *this;
   }
@@ -101,8 +120,8 @@ class DxfWriter {
   }
 
   std::string text() const {
-    std::string header;
-    if (insunits_ >= 0) header = toText({{9, "$INSUNITS"}, {70, insunits_}});
+    std::string header = header_;
+    if (insunits_ >= 0) header += toText({{9, "$INSUNITS"}, {70, insunits_}});
     const auto section = [](const std::string& name, const std::string& content) {
       return toText({{0, "SECTION"}, {2, name}}) + content + toText({{0, "ENDSEC"}});
     };
@@ -115,7 +134,7 @@ class DxfWriter {
  private:
   int insunits_;
   bool in_block_ = false;
-  std::string layers_, blocks_, entities_;
+  std::string header_, layers_, blocks_, entities_;
 };
 
 }  // namespace planar_bin_picking
