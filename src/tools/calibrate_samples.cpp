@@ -4,23 +4,17 @@
 /// Calibrates camera and hand-eye from pictures and robot poses on disk, with no ROS master.
 /// Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.
 
+#include "command_line.h"
+#include "yaml_file.h"
+
 #include "planar_bin_picking/calibration_file.h"
 
-#include <yaml-cpp/yaml.h>
-#include <opencv2/imgcodecs.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <exception>
 #include <filesystem>
-#include <map>
-#include <sstream>
-#include <stdexcept>
 
 namespace planar_bin_picking {
 namespace {
 
+const char kName[] = "calibrate_samples";
 const char kUsage[] =
     "usage: calibrate_samples --board 9x6 --square 0.0236 --mode eye_in_hand|eye_to_hand\n"
     "                         --samples samples.yaml [--camera-info F] --output DIR\n"
@@ -39,46 +33,25 @@ const char kUsage[] =
 constexpr double kBlurMax = 5.0;
 
 struct Options {
-  std::string board, square, mode, samples, camera_info, output;
-  bool help = false;
+  std::string board, mode, samples, camera_info, output;
+  double square = 0.0;
 };
 
-Options parseOptions(const std::vector<std::string>& arguments) {
-  Options options;
-  const std::map<std::string, std::string*> texts = {
-      {"--board", &options.board},   {"--square", &options.square},
-      {"--mode", &options.mode},     {"--samples", &options.samples},
-      {"--output", &options.output}, {"--camera-info", &options.camera_info}};
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const std::string& option = arguments[i];
-    if (option == "--help" || option == "-h") {
-      options.help = true;
-      return options;
-    }
-    if (texts.count(option) == 0) {
-      throw std::invalid_argument("unknown option \"" + option + "\"; see --help");
-    }
-    if (++i == arguments.size() || arguments[i].empty()) {
-      throw std::invalid_argument(option + " needs a value; see --help");
-    }
-    *texts.at(option) = arguments[i];
-  }
-  for (const char* option : {"--board", "--square", "--mode", "--samples", "--output"}) {
-    if (texts.at(option)->empty()) {
-      throw std::invalid_argument(std::string(option) + " is missing; see --help");
-    }
-  }
-  return options;
-}
-
-double metres(const std::string& option, const std::string& text) {
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  double value = 0.0;
-  if (!(in >> value) || !in.eof() || !std::isfinite(value) || value <= 0.0) {
-    throw std::invalid_argument(option + " is \"" + text + "\", must be metres greater than 0");
-  }
-  return value;
+/// @return  false where help is asked for
+bool readOptions(const std::vector<std::string>& arguments, Options* options) {
+  const bool wanted = parseOptions(arguments, {{"--board", text(&options->board)},
+                                               {"--square", metres(&options->square)},
+                                               {"--mode", text(&options->mode)},
+                                               {"--samples", text(&options->samples)},
+                                               {"--output", text(&options->output)},
+                                               {"--camera-info", text(&options->camera_info)}});
+  if (!wanted) return false;
+  require(!options->board.empty(), "--board");
+  require(options->square > 0.0, "--square");
+  require(!options->mode.empty(), "--mode");
+  require(!options->samples.empty(), "--samples");
+  require(!options->output.empty(), "--output");
+  return true;
 }
 
 Mounting parseMode(const std::string& text) {
@@ -93,53 +66,34 @@ struct Sample {
   Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
 };
 
-std::vector<double> numbers(const YAML::Node& node, const std::string& what, std::size_t count) {
-  std::vector<double> out;
-  for (std::size_t i = 0; node.IsSequence() && i < node.size(); ++i) {
-    std::istringstream in(node[i].IsScalar() ? node[i].Scalar() : "");
-    in.imbue(std::locale::classic());
-    double value = 0.0;
-    if (in >> value && in.eof() && std::isfinite(value)) out.push_back(value);
-  }
-  if (out.size() != count || node.size() != count) {
-    throw std::runtime_error(what + " must be a list of " + std::to_string(count) + " numbers");
-  }
-  return out;
+std::vector<double> numbers(const YAML::Node& node, const std::string& where,
+                            const std::string& key, std::size_t count) {
+  const std::string expected = "a list of " + std::to_string(count) + " numbers";
+  const auto values = valueAs<std::vector<double>>(node, where, key, expected);
+  const bool finite =
+      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+  if (values.size() != count || !finite) throwBadValue(where, key, node, expected);
+  return values;
 }
 
 Sample readSample(const YAML::Node& node, const std::string& where) {
   if (!node.IsMap()) throw std::runtime_error(where + ": is no {image, position, orientation}");
-  for (const auto& entry : node) {
-    const std::string key = entry.first.Scalar();
-    if (key != "image" && key != "position" && key != "orientation") {
-      throw std::runtime_error(where + ": unknown key \"" + key +
-                               "\"; known are image, position, orientation");
-    }
-  }
-  if (!node["image"] || !node["image"].IsScalar()) {
-    throw std::runtime_error(where + ": image is missing");
-  }
+  refuseRepeatedKeys(node, where);
+  refuseUnknownKeys(node, where, {"image", "position", "orientation"});
   Sample sample;
-  sample.name = node["image"].Scalar();
-  const auto p = numbers(node["position"], where + ": position", 3);
-  const auto o = numbers(node["orientation"], where + ": orientation", 4);
+  sample.name = valueAs<std::string>(node["image"], where, "image", "the path of a picture");
+  const auto p = numbers(node["position"], where, "position", 3);
+  const auto o = numbers(node["orientation"], where, "orientation", 4);
   const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
   if (std::abs(q.norm() - 1.0) > 1e-3) {
-    throw std::runtime_error(where + ": orientation must be a quaternion x y z w of length 1");
+    throwBadValue(where, "orientation", node["orientation"], "a quaternion x y z w of length 1");
   }
   sample.T_base_flange = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
   return sample;
 }
 
 std::vector<Sample> loadSamples(const std::string& path) {
-  YAML::Node root;
-  try {
-    root = YAML::LoadFile(path);
-  } catch (const YAML::BadFile&) {
-    throw std::runtime_error(path + ": cannot be read; check the path and its permissions");
-  } catch (const YAML::Exception& e) {
-    throw std::runtime_error(path + ": is not valid YAML: " + e.what());
-  }
+  const YAML::Node root = loadYaml(path);
   if (!root.IsSequence() || root.size() == 0) {
     throw std::runtime_error(path + ": must be a list of {image, position, orientation}");
   }
@@ -159,14 +113,7 @@ struct Seen {
 };
 
 cv::Mat loadImage(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path)) {
-    throw std::runtime_error(path.string() + ": cannot be read; there is no such file");
-  }
-  const cv::Mat image = cv::imread(path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
-  if (image.empty()) {
-    throw std::runtime_error(path.string() + ": cannot be read as a picture; check the path");
-  }
-  return image;
+  return readImage(path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
 }
 
 Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mounting) {
@@ -241,8 +188,13 @@ void print(const HandEyeResult& result, const Seen& seen) {
               result.expected_error_deg, result.working_distance);
 }
 
-int run(const Options& options) {
-  const Board board = parseBoard(options.board, metres("--square", options.square));
+int run(const std::vector<std::string>& arguments) {
+  Options options;
+  if (!readOptions(arguments, &options)) {
+    std::fputs(kUsage, stdout);
+    return kDone;
+  }
+  const Board board = parseBoard(options.board, options.square);
   const Mounting mounting = parseMode(options.mode);
   const std::vector<Sample> samples = loadSamples(options.samples);
   std::optional<Camera::Model> camera;
@@ -255,7 +207,8 @@ int run(const Options& options) {
   if (mounting == Mounting::kEyeToHand) names.mount_frame = "base";
   saveCalibration(options.output, seen.problem, result, names);
   print(result, seen);
-  return result.verdict == Verdict::kRefused ? 3 : 0;
+  constexpr int kRefused = 3;
+  return result.verdict == Verdict::kRefused ? kRefused : kDone;
 }
 
 }  // namespace
@@ -263,17 +216,5 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace planar_bin_picking;
-  try {
-    const Options options = parseOptions({argv + 1, argv + argc});
-    if (options.help) {
-      std::fputs(kUsage, stdout);
-      return 0;
-    }
-    return run(options);
-  } catch (const std::exception& e) {
-    std::string line = e.what();
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    std::fprintf(stderr, "calibrate_samples: %s\n", line.c_str());
-    return 2;
-  }
+  return runTool(kName, [&] { return run({argv + 1, argv + argc}); });
 }

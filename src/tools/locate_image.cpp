@@ -4,31 +4,32 @@
 /// Locates parts in one picture on disk, with no ROS master.
 /// Exit status: 0, even if nothing was found; 2, with one line on stderr, on bad input.
 
+#include "command_line.h"
+#include "yaml_text.h"
+
 #include "planar_bin_picking/locator.h"
 #include "planar_bin_picking/overlay.h"
 
-#include <yaml-cpp/yaml.h>
-#include <opencv2/imgcodecs.hpp>
+#include <unistd.h>
+
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <fstream>
-#include <locale>
-#include <map>
-#include <sstream>
-#include <stdexcept>
 
 namespace planar_bin_picking {
 namespace {
 
+namespace fs = std::filesystem;
+
+const char kName[] = "locate_image";
 const char kUsage[] =
     "usage: locate_image --part P [--part P2 ...] --camera camera_info.yaml --image I\n"
-    "                    --distance-min M --distance-max M [--params F] [--output result.yaml]\n"
+    "                    --distance-min M --distance-max M [--face front|back|any]\n"
+    "                    [--max-parts N] [--params F] [--output result.yaml]\n"
     "                    [--overlay overlay.png]\n"
     "\n"
     "  --part P            a part: its .dxf or its .yaml; may be given several times\n"
@@ -36,9 +37,13 @@ const char kUsage[] =
     "  --image F           the picture: 8 or 16 bit, grey or colour, of the calibrated size\n"
     "  --distance-min M    metres along the optical axis to the nearest a part may lie\n"
     "  --distance-max M    metres to the farthest: the floor of the bin\n"
+    "  --face FACE         the side that must be up: front (as drawn), back or any; default any\n"
+    "  --max-parts N       no more than the N best; default 0: all\n"
     "  --params F          parameters over the defaults, as config/locator.yaml\n"
     "  --output F          writes the result as YAML, metres, camera frame\n"
-    "  --overlay F         writes the picture with the result drawn over it\n";
+    "  --overlay F         writes the picture with the result drawn over it\n"
+    "\n"
+    "Exit status: 0, even if nothing was found; 2, with one line on stderr, on bad input.\n";
 
 constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 
@@ -46,62 +51,62 @@ struct Options {
   std::vector<std::string> parts;
   std::string camera, image, params, output, overlay;
   double distance_min = 0.0, distance_max = 0.0;
-  bool help = false;
+  FaceFilter face = FaceFilter::kAny;
+  std::size_t max_parts = 0;
 };
 
-double metres(const std::string& option, const std::string& text) {
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  double value = 0.0;
-  if (!(in >> value) || !(in >> std::ws).eof() || !std::isfinite(value) || value <= 0.0) {
-    throw std::invalid_argument(option + " is \"" + text + "\", must be metres greater than 0");
+void takeFace(const std::string& word, FaceFilter* face) {
+  if (word == "any") {
+    *face = FaceFilter::kAny;
+  } else if (word == "front") {
+    *face = FaceFilter::kFront;
+  } else if (word == "back") {
+    *face = FaceFilter::kBack;
+  } else {
+    throw std::invalid_argument("--face is \"" + word + "\", must be front, back or any");
   }
-  return value;
 }
 
-void checkComplete(const Options& options) {
-  const auto require = [](bool given, const char* option) {
-    if (!given) throw std::invalid_argument(std::string(option) + " is missing; see --help");
+void takeCount(const std::string& word, std::size_t* count) {
+  const char* end = word.data() + word.size();
+  const auto [after, error] = std::from_chars(word.data(), end, *count);
+  if (error != std::errc() || after != end) {
+    throw std::invalid_argument("--max-parts is \"" + word +
+                                "\", must be a whole number, 0 for all");
+  }
+}
+
+/// @return  false where help is asked for
+bool readOptions(const std::vector<std::string>& arguments, Options* options) {
+  const auto addPart = [&](const std::string&, const std::string& value) {
+    options->parts.push_back(value);
   };
-  require(!options.parts.empty(), "--part");
-  require(!options.camera.empty(), "--camera");
-  require(!options.image.empty(), "--image");
-  require(options.distance_min > 0.0, "--distance-min");
-  require(options.distance_max > 0.0, "--distance-max");
-  if (options.distance_min > options.distance_max) {
+  const auto face = [&](const std::string&, const std::string& value) {
+    takeFace(value, &options->face);
+  };
+  const auto count = [&](const std::string&, const std::string& value) {
+    takeCount(value, &options->max_parts);
+  };
+  const bool wanted = parseOptions(arguments, {{"--part", addPart},
+                                               {"--camera", text(&options->camera)},
+                                               {"--image", text(&options->image)},
+                                               {"--distance-min", metres(&options->distance_min)},
+                                               {"--distance-max", metres(&options->distance_max)},
+                                               {"--face", face},
+                                               {"--max-parts", count},
+                                               {"--params", text(&options->params)},
+                                               {"--output", text(&options->output)},
+                                               {"--overlay", text(&options->overlay)}});
+  if (!wanted) return false;
+  require(!options->parts.empty(), "--part");
+  require(!options->camera.empty(), "--camera");
+  require(!options->image.empty(), "--image");
+  require(options->distance_min > 0.0, "--distance-min");
+  require(options->distance_max > 0.0, "--distance-max");
+  if (options->distance_min > options->distance_max) {
     throw std::invalid_argument("--distance-min is greater than --distance-max");
   }
-}
-
-Options parseOptions(const std::vector<std::string>& arguments) {
-  Options options;
-  const std::map<std::string, std::string*> texts = {{"--camera", &options.camera},
-                                                     {"--image", &options.image},
-                                                     {"--params", &options.params},
-                                                     {"--output", &options.output},
-                                                     {"--overlay", &options.overlay}};
-  const std::map<std::string, double*> distances = {{"--distance-min", &options.distance_min},
-                                                    {"--distance-max", &options.distance_max}};
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const std::string& option = arguments[i];
-    if (option == "--help" || option == "-h") {
-      options.help = true;
-      return options;
-    }
-    const bool known = option == "--part" || texts.count(option) + distances.count(option) > 0;
-    if (!known) throw std::invalid_argument("unknown option \"" + option + "\"; see --help");
-    if (++i == arguments.size() || arguments[i].empty())
-      throw std::invalid_argument(option + " needs a value; see --help");
-    if (option == "--part") {
-      options.parts.push_back(arguments[i]);
-    } else if (texts.count(option) != 0) {
-      *texts.at(option) = arguments[i];
-    } else {
-      *distances.at(option) = metres(option, arguments[i]);
-    }
-  }
-  checkComplete(options);
-  return options;
+  return true;
 }
 
 std::vector<std::shared_ptr<const PartModel>> loadParts(const std::vector<std::string>& paths) {
@@ -120,9 +125,7 @@ std::vector<std::shared_ptr<const PartModel>> loadParts(const std::vector<std::s
 
 /// Any 8- or 16-bit picture as one grey channel.
 cv::Mat loadImage(const std::string& path) {
-  const cv::Mat image = cv::imread(path, cv::IMREAD_UNCHANGED);
-  if (image.empty())
-    throw std::runtime_error(path + ": cannot be read as a picture; check the path and the file");
+  const cv::Mat image = readImage(path, cv::IMREAD_UNCHANGED);
   if (image.depth() != CV_8U && image.depth() != CV_16U) {
     throw std::runtime_error(path + ": has neither 8 nor 16 bit; save it as PNG");
   }
@@ -134,34 +137,31 @@ cv::Mat loadImage(const std::string& path) {
 
 const char* nameOf(Face face) { return face == Face::kFront ? "front" : "back"; }
 
+std::string toYaml(const Detection& detection) {
+  const Eigen::Vector3d p = detection.T_camera_part.translation();
+  Eigen::Quaterniond q(detection.T_camera_part.rotation());
+  q.normalize();
+  if (q.w() < 0.0) q.coeffs() *= -1.0;
+  // Nanometres; the angle fine enough for a drawing whose origin lies kilometres away.
+  return "{part: " + yamlText(detection.part_name) + ", face: " + nameOf(detection.face) +
+         ", position: " + yamlList({p.x(), p.y(), p.z()}, 9) +
+         ", orientation: " + yamlList({q.x(), q.y(), q.z(), q.w()}, 15) +
+         ", score: " + yamlNumber(detection.score, 6) +
+         ", visible_fraction: " + yamlNumber(detection.visible_fraction, 6) + "}";
+}
+
 void writeResult(const std::string& path, const LocateResult& result, double threshold) {
-  YAML::Emitter out;
-  out.SetDoublePrecision(9);
-  out << YAML::BeginMap << YAML::Key << "seconds" << YAML::Value << result.report.seconds;
-  out << YAML::Key << "threshold" << YAML::Value << threshold;
-  out << YAML::Key << "detections" << YAML::Value << YAML::BeginSeq;
-  for (const Detection& detection : result.detections) {
-    const Eigen::Vector3d p = detection.T_camera_part.translation();
-    Eigen::Quaterniond q(detection.T_camera_part.rotation());
-    q.normalize();
-    if (q.w() < 0.0) q.coeffs() *= -1.0;
-    out << YAML::Flow << YAML::BeginMap;
-    out << YAML::Key << "part" << YAML::Value << detection.part_name;
-    out << YAML::Key << "face" << YAML::Value << nameOf(detection.face);
-    out << YAML::Key << "position" << YAML::Value << YAML::Flow
-        << std::vector<double>{p.x(), p.y(), p.z()};
-    out << YAML::Key << "orientation" << YAML::Value << YAML::Flow
-        << std::vector<double>{q.x(), q.y(), q.z(), q.w()};
-    out << YAML::Key << "score" << YAML::Value << detection.score;
-    out << YAML::Key << "visible_fraction" << YAML::Value << detection.visible_fraction
-        << YAML::EndMap;
-  }
-  out << YAML::EndSeq << YAML::EndMap;
+  std::string yaml = "seconds: " + yamlNumber(result.report.seconds, 6) +
+                     "\nthreshold: " + yamlNumber(threshold, 6) + "\ndetections:";
+  if (result.detections.empty()) yaml += " []";
+  for (const Detection& detection : result.detections) yaml += "\n  - " + toYaml(detection);
   std::ofstream file(path);
-  file << out.c_str() << "\n";
+  file << yaml << "\n";
   file.close();
-  if (!file)
-    throw std::runtime_error(path + ": cannot be written; check the path and its permissions");
+  if (!file) {
+    throw std::runtime_error(path +
+                             ": cannot be written; check the path, its permissions and the disk");
+  }
 }
 
 /// Tilt is the angle between the part's visible face and the image plane, angle the direction of
@@ -193,20 +193,49 @@ void printTimes(const Report& report, double loading_seconds) {
 }
 
 /// Says before the work, not after it, that its result could not be written.
-void checkWritable(const Options& options) {
+void checkWritable(const std::string& path) {
+  const auto fail = [&](const std::string& why) {
+    throw std::runtime_error(path + ": cannot be written; " + why);
+  };
+  const fs::path folder = fs::absolute(path).parent_path();
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status)) fail("it is a folder");
+  if (fs::is_fifo(status) || fs::is_socket(status) || fs::is_block_file(status))
+    fail("it is no regular file");
+  if (fs::exists(status) && access(path.c_str(), W_OK) != 0) fail("check its permissions");
+  if (fs::exists(status)) return;
+  if (!fs::is_directory(folder, error)) fail("there is no folder " + folder.string());
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    fail("check the permissions of the folder " + folder.string());
+}
+
+void checkResults(const Options& options) {
+  std::vector<std::string> inputs = options.parts;
+  inputs.insert(inputs.end(), {options.camera, options.image, options.params});
   for (const std::string& path : {options.output, options.overlay}) {
     if (path.empty()) continue;
-    const auto folder = std::filesystem::absolute(path).parent_path();
-    if (std::filesystem::is_directory(folder)) continue;
-    throw std::runtime_error(path + ": cannot be written; there is no folder " + folder.string());
+    checkWritable(path);
+    for (const std::string& input : inputs) {
+      std::error_code error;
+      if (input.empty() || !fs::equivalent(path, input, error)) continue;
+      throw std::invalid_argument(path + ": cannot be written; it is what is read, too");
+    }
   }
+  if (!options.output.empty() && options.output == options.overlay)
+    throw std::invalid_argument("--output and --overlay are one file, " + options.output);
   if (!options.overlay.empty() && !cv::haveImageWriter(options.overlay)) {
     throw std::runtime_error(options.overlay + ": cannot be written; end its name in .png or .jpg");
   }
 }
 
-void run(const Options& options) {
-  checkWritable(options);
+int run(const std::vector<std::string>& arguments) {
+  Options options;
+  if (!readOptions(arguments, &options)) {
+    std::fputs(kUsage, stdout);
+    return kDone;
+  }
+  checkResults(options);
   const auto start = std::chrono::steady_clock::now();
   const Camera camera = loadCamera(options.camera);
   const Locator locator(options.params.empty() ? LocatorParams()
@@ -215,11 +244,11 @@ void run(const Options& options) {
   request.parts = loadParts(options.parts);
   request.distance_min = options.distance_min;
   request.distance_max = options.distance_max;
+  request.face = options.face;
+  request.max_parts = options.max_parts;
   const cv::Mat image = loadImage(options.image);
   const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - start;
   const LocateResult result = locator.locate(image, camera, request);
-  printTable(result);
-  printTimes(result.report, loading.count());
   if (!options.output.empty())
     writeResult(options.output, result, locator.params().score.threshold);
   if (!options.overlay.empty() &&
@@ -227,6 +256,9 @@ void run(const Options& options) {
     throw std::runtime_error(options.overlay +
                              ": cannot be written; check the path and its permissions");
   }
+  printTable(result);
+  printTimes(result.report, loading.count());
+  return kDone;
 }
 
 }  // namespace
@@ -234,18 +266,5 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace planar_bin_picking;
-  try {
-    const Options options = parseOptions({argv + 1, argv + argc});
-    if (options.help) {
-      std::fputs(kUsage, stdout);
-      return 0;
-    }
-    run(options);
-    return 0;
-  } catch (const std::exception& e) {
-    std::string line = e.what();
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    std::fprintf(stderr, "locate_image: %s\n", line.c_str());
-    return 2;
-  }
+  return runTool(kName, [&] { return run({argv + 1, argv + argc}); });
 }

@@ -9,6 +9,7 @@
 #include "support/temp_dir.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <yaml-cpp/yaml.h>
@@ -155,6 +156,16 @@ TEST_F(CalibrateSamples, RefusesBadInputInOneLine) {
     return inHand("bad.yaml");
   };
   EXPECT_TRUE(refused(run("9x6", "0.02", samples("image: x")), {"bad.yaml", "list"}));
+  EXPECT_TRUE(refused(run("9x6", "0.02", samples("- &it {image: *it}")), {"bad.yaml", "alias"}));
+  EXPECT_TRUE(refused(run("9x6", "0.02", samples("- {image: a, image: b}")), {"image", "twice"}));
+  EXPECT_TRUE(refused(run("9x6", "0.02", samples("- {picture: a}")), {"unknown key", "picture"}));
+  ASSERT_EQ(mkfifo(dir_->path("pipe").c_str(), 0600), 0);
+  EXPECT_TRUE(refused(run("9x6", "0.02", inHand("pipe")), {"pipe", "no regular file"}));
+  EXPECT_TRUE(refused(run("9x6", "0.02", inHand(".")), {"no regular file"}));
+  EXPECT_TRUE(
+      refused(run("9x6", "0.02",
+                  samples("- {image: pipe, position: [0, 0, 1], orientation: [0, 0, 0, 1]}")),
+              {"pipe", "no regular file"}));
   EXPECT_TRUE(refused(run("9x6", "0.02", samples("- {image: view0.png, position: [1, 2]}")),
                       {"sample 1", "position", "3 numbers"}));
   EXPECT_TRUE(

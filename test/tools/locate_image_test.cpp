@@ -6,6 +6,8 @@
 #include "support/dxf_writer.h"
 #include "support/tool_test.h"
 
+#include <sys/stat.h>
+
 #include <yaml-cpp/yaml.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -76,7 +78,7 @@ TEST_F(LocateImage, FindsNothingInAnEmptyBinAndSaysSo) {
 TEST_F(LocateImage, PrintsItsUsage) {
   EXPECT_EQ(run("--help"), 0);
   for (const char* option : {"--part", "--camera", "--image", "--distance-min", "--distance-max",
-                             "--params", "--output", "--overlay"}) {
+                             "--face", "--max-parts", "--params", "--output", "--overlay"}) {
     EXPECT_NE(out_.find(option), std::string::npos) << option;
   }
 }
@@ -94,6 +96,12 @@ TEST_F(LocateImage, RefusesWrongArguments) {
   EXPECT_TRUE(refused("--distance-max -1", {"--distance-max", "-1"}));
   EXPECT_TRUE(refused(part_ + " " + camera_ + " " + image_ + " --distance-min 2 --distance-max 1",
                       {"--distance-min is greater"}));
+  EXPECT_TRUE(refused("--face up", {"--face", "\"up\"", "front, back or any"}));
+  for (const char* count : {"-1", "1.5", "many", "1x", "99999999999999999999"})
+    EXPECT_TRUE(refused(std::string("--max-parts ") + count, {"--max-parts", count, "whole"}));
+  EXPECT_TRUE(refused("--image a --image b", {"--image", "twice"}));
+  EXPECT_TRUE(refused("--distance-min 1 --distance-min 2", {"--distance-min", "twice"}));
+  EXPECT_EQ(run("--image a --help"), 0);
 }
 
 TEST_F(LocateImage, RefusesWrongFiles) {
@@ -115,6 +123,58 @@ TEST_F(LocateImage, RefusesWrongFiles) {
   EXPECT_TRUE(refused(no_image + " --image " + dir_.path("small.png"), {"30 x 20", "2448 x 2048"}));
 }
 
+TEST_F(LocateImage, AnswersNoMorePartsThanAskedFor) {
+  const std::string all = part_ + " " + camera_ + " " + image_ + " " + distances_ + " --output ";
+  const std::string result = dir_.path("result.yaml"), best = dir_.path("best.yaml");
+  ASSERT_EQ(run(all + result + " --face any --max-parts 0"), 0) << error_;
+  ASSERT_EQ(run(all + best + " --max-parts 2"), 0) << error_;
+  const YAML::Node detections = YAML::LoadFile(result)["detections"];
+  const YAML::Node first = YAML::LoadFile(best)["detections"];
+  ASSERT_GT(detections.size(), 2u);
+  ASSERT_EQ(first.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(first[i]["position"][0].as<double>(), detections[i]["position"][0].as<double>(),
+                1e-6);
+  }
+}
+
+/// A pipe without a writer would hold the program up for ever.
+TEST_F(LocateImage, RefusesWhatIsNoRegularFile) {
+  ASSERT_EQ(mkfifo(dir_.path("pipe.yaml").c_str(), 0600), 0);
+  std::filesystem::create_directory(dir_.path("folder.yaml"));
+  for (const char* name : {"pipe.yaml", "folder.yaml"}) {
+    const std::string path = dir_.path(name);
+    const std::vector<std::string> words = {name, "no regular file"};
+    EXPECT_TRUE(refused("--part " + path + " " + camera_ + " " + image_ + " " + distances_, words));
+    EXPECT_TRUE(refused(part_ + " --camera " + path + " " + image_ + " " + distances_, words));
+    EXPECT_TRUE(refused(part_ + " " + camera_ + " --image " + path + " " + distances_, words));
+    EXPECT_TRUE(refused(
+        part_ + " " + camera_ + " " + image_ + " " + distances_ + " --params " + path, words));
+  }
+  EXPECT_TRUE(refused(part_ + " " + camera_ + " " + image_ + " " + distances_ + " --params " +
+                          dir_.write("self.yaml", "score: &it {threshold: *it}\n"),
+                      {"self.yaml", "alias"}));
+}
+
+/// Also what libraries have to say about it is part of the one line.
+TEST_F(LocateImage, RefusesPicturesThatAreNotWhole) {
+  const std::string rest = part_ + " " + camera_ + " " + distances_ + " --image ";
+  const std::string picture =
+      read(std::string(PACKAGE_DIR) + "/test/data/bin_bracket_00/image.png");
+  EXPECT_TRUE(refused(rest + dir_.write("half.png", picture.substr(0, picture.size() / 2)),
+                      {"half.png", "whole"}));
+  std::string damaged = picture;
+  for (int i = 0; i < 100; ++i) damaged[20000 + i] = 'x';
+  EXPECT_TRUE(refused(rest + dir_.write("damaged.png", damaged), {"damaged.png", "whole"}));
+  EXPECT_TRUE(refused(rest + dir_.write("empty.png", ""), {"empty.png", "whole"}));
+  cv::Mat noise(2048, 2448, CV_8U);
+  cv::randu(noise, 0, 255);
+  cv::imwrite(dir_.path("whole.jpg"), noise);
+  const std::string jpeg = read(dir_.path("whole.jpg"));
+  EXPECT_TRUE(refused(rest + dir_.write("half.jpg", jpeg.substr(0, jpeg.size() / 2)),
+                      {"half.jpg", "whole"}));
+}
+
 TEST_F(LocateImage, RefusesWhereItCannotWriteBeforeItWorks) {
   const std::string all = part_ + " " + camera_ + " " + image_ + " " + distances_;
   EXPECT_TRUE(refused(all + " --output " + dir_.path("no/such/result.yaml"),
@@ -123,6 +183,21 @@ TEST_F(LocateImage, RefusesWhereItCannotWriteBeforeItWorks) {
       refused(all + " --overlay " + dir_.path("no/overlay.png"), {"no/overlay.png", "no folder"}));
   EXPECT_TRUE(
       refused(all + " --overlay " + dir_.path("overlay.unknown"), {"overlay.unknown", ".png"}));
+  ASSERT_EQ(mkfifo(dir_.path("pipe.png").c_str(), 0600), 0);
+  for (const char* option : {" --output ", " --overlay "}) {
+    EXPECT_TRUE(refused(all + option + dir_.path("pipe.png"), {"pipe.png", "no regular file"}));
+    EXPECT_TRUE(refused(all + option + dir_.path(""), {"a folder"}));
+  }
+  // What it reads must not be written over.
+  const std::string own = dir_.write("own.yaml", "drawing: own.dxf\n");
+  EXPECT_TRUE(refused("--part " + own + " " + camera_ + " " + image_ + " " + distances_ +
+                          " --output " + dir_.path("./own.yaml"),
+                      {"own.yaml", "what is read"}));
+  EXPECT_EQ(read(own), "drawing: own.dxf\n");
+  EXPECT_TRUE(refused(all + " --output " + dir_.path("a.png") + " --overlay " + dir_.path("a.png"),
+                      {"one file"}));
+  // A disk that is full is found out only then.
+  EXPECT_TRUE(refused(all + " --output /dev/full", {"/dev/full", "cannot be written"}));
 }
 
 }  // namespace
