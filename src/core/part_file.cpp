@@ -54,7 +54,10 @@ PickPose readPickPose(const YAML::Node& node, const std::string& where) {
   PickPose pick;
   pick.name = valueAs<std::string>(node["name"], where, "name", "a word");
   // A copy's number, and the pose's frame on tf, are set apart by these.
-  if (pick.name.empty() || pick.name.find_first_of("@/ ") != std::string::npos)
+  const bool word = std::all_of(pick.name.begin(), pick.name.end(), [](unsigned char c) {
+    return c > ' ' && c != 0x7F && c != '@' && c != '/';
+  });
+  if (pick.name.empty() || !word)
     throwBadValue(where, "name", node["name"], "a word without @ and /");
   if (node["face"]) pick.face = readFace(node["face"], where);
   if (node["symmetric"])
@@ -73,7 +76,12 @@ PickPose readPickPose(const YAML::Node& node, const std::string& where) {
 }
 
 std::vector<PickPose> readPickPoses(const YAML::Node& list, const std::string& path) {
-  if (!list.IsSequence()) throwBadValue(path, "pick_poses", list, "a list of poses");
+  // Each is compared with all others' copies.
+  constexpr std::size_t kPosesMost = 200;
+  if (!list.IsSequence() || list.size() > kPosesMost) {
+    throwBadValue(path, "pick_poses", list,
+                  "a list of at most " + std::to_string(kPosesMost) + " poses");
+  }
   std::vector<PickPose> picks;
   std::set<std::string> names;
   for (std::size_t i = 0; i < list.size(); ++i) {
@@ -98,10 +106,13 @@ std::optional<double> readMillimetres(const YAML::Node& root, const std::string&
 }
 
 DrawingParams readDrawingParams(const YAML::Node& root, const std::string& path) {
+  constexpr std::size_t kLayersMost = 1000;  // each entity is held against all of them
   DrawingParams params;
   const auto read = [&](const char* key, std::vector<std::string>* patterns) {
-    if (root[key])
-      *patterns = valueAs<std::vector<std::string>>(root[key], path, key, "a list of layers");
+    if (!root[key]) return;
+    const std::string expected = "a list of at most " + std::to_string(kLayersMost) + " layers";
+    *patterns = valueAs<std::vector<std::string>>(root[key], path, key, expected);
+    if (patterns->size() > kLayersMost) throwBadValue(path, key, root[key], expected);
   };
   // Who names the layers to keep means these, whatever the default list says.
   if (root["keep_layers"]) params.skip_layers.clear();
