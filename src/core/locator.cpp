@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/locator.h"
 
-#include "answer.h"
+#include "answer_request.h"
 #include "common_lie.h"
 #include "visible_face.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "answer.h"
+#include "answer_request.h"
 
 #include "outline_view.h"
 #include "planar_bin_picking/se3.h"
@@ -53,7 +53,7 @@ LocateResult answer(const std::vector<Detection>& ranked, const LocateRequest& r
   return out;
 }
 
-TEST(Answer, TheOtherFaceIsWithheldWithAReason) {
+TEST(AnswerRequest, TheOtherFaceIsWithheldWithAReason) {
   const Detection front = detectionAt({0, 0, 600}), back = detectionAt({0, 0, 600, 0, 0, 0, false});
   const auto fronts = answer({back, front}, requestOf(FaceFilter::kFront));
   ASSERT_EQ(fronts.detections.size(), 1u);
@@ -74,7 +74,7 @@ TEST(Answer, TheOtherFaceIsWithheldWithAReason) {
   EXPECT_TRUE(any.withheld.empty());
 }
 
-TEST(Answer, TheNumberIsCutAfterTheFace) {
+TEST(AnswerRequest, TheNumberIsCutAfterTheFace) {
   LocateRequest request = requestOf(FaceFilter::kFront);
   request.max_parts = 1;
   const auto out = answer({detectionAt({0, 0, 600, 0, 0, 0, false}), detectionAt({10, 0, 600}),
@@ -88,13 +88,13 @@ TEST(Answer, TheNumberIsCutAfterTheFace) {
   EXPECT_EQ(out.withheld[1].reason, Withheld::kOutside);
 }
 
-TEST(Answer, APrintTellsTheFacesOfASymmetricPartApart) {
+TEST(AnswerRequest, APrintTellsTheFacesOfASymmetricPartApart) {
   const auto out = answer({detectionAt({0, 0, 600}, kPrinted)}, requestOf(FaceFilter::kBack));
   EXPECT_TRUE(out.detections.empty());
   EXPECT_EQ(out.withheld.size(), 1u);
 }
 
-TEST(Answer, FacesThatNobodyCanTellApartAreAnsweredAsAsked) {
+TEST(AnswerRequest, FacesThatNobodyCanTellApartAreAnsweredAsAsked) {
   for (const bool front : {true, false}) {
     const Detection found = detectionAt({10, -20, 600, 35, 15, 70, front}, kTriangle);
     const Face other = front ? Face::kBack : Face::kFront;
@@ -125,7 +125,7 @@ TEST(Answer, FacesThatNobodyCanTellApartAreAnsweredAsAsked) {
   }
 }
 
-TEST(Answer, ATurnedPoseHasTheCovarianceOfItsNewCentre) {
+TEST(AnswerRequest, ATurnedPoseHasTheCovarianceOfItsNewCentre) {
   Detection found = detectionAt({10, -20, 600, 35, 15, 70}, kTriangle);
   Matrix6d root = Matrix6d::Identity();
   for (int i = 0; i < 6; ++i) {
@@ -145,7 +145,7 @@ TEST(Answer, ATurnedPoseHasTheCovarianceOfItsNewCentre) {
   EXPECT_LT((turned.covariance - expected).norm(), 1e-6 * expected.norm());
 }
 
-TEST(Answer, ATurnedPoseIsCoveredWhereItWas) {
+TEST(AnswerRequest, ATurnedPoseIsCoveredWhereItWas) {
   Detection found = detectionAt({0, 0, 600}, kTriangle);
   const PartModel& part = *kParts[kTriangle];
   const auto& cells = part.faceGrid().cells();
@@ -165,7 +165,7 @@ TEST(Answer, ATurnedPoseIsCoveredWhereItWas) {
   EXPECT_LT(right, 40u);
 }
 
-TEST(Answer, PartsOutsideOfTheDistancesAreWithheld) {
+TEST(AnswerRequest, PartsOutsideOfTheDistancesAreWithheld) {
   // The origin of the bracket lies off its middle; the middle of the visible face counts.
   const auto out = answer({detectionAt({0, 0, 498.5}), detectionAt({0, 0, 701.5}),
                            detectionAt({0, 0, 497.5}), detectionAt({0, 0, 702.5})},
@@ -178,7 +178,7 @@ TEST(Answer, PartsOutsideOfTheDistancesAreWithheld) {
     EXPECT_NE(out.withheld[0].text.find(word), std::string::npos) << out.withheld[0].text;
 }
 
-TEST(Answer, TheMiddleOfTheVisibleFaceCountsForTheDistance) {
+TEST(AnswerRequest, TheMiddleOfTheVisibleFaceCountsForTheDistance) {
   const PartModel& part = *kParts[kBracket];
   Detection d = detectionAt({0, 0, 600, 0, 30, 90});
   const double depth = (d.T_camera_part * centreOf(part, d.face)).translation().z();
@@ -188,7 +188,7 @@ TEST(Answer, TheMiddleOfTheVisibleFaceCountsForTheDistance) {
   EXPECT_EQ(answer({d}, requestOf(FaceFilter::kAny, 0.5995, 0.6005)).detections.size(), 0u);
 }
 
-TEST(Answer, TheMarginFollowsTheDepthsDeviation) {
+TEST(AnswerRequest, TheMarginFollowsTheDepthsDeviation) {
   // The part's x leans toward the camera, so that its deviation is partly one of depth.
   Detection d = detectionAt({0, 0, 600, 0, 30, 90});
   d.covariance.setZero();
@@ -203,7 +203,7 @@ TEST(Answer, TheMarginFollowsTheDepthsDeviation) {
   EXPECT_NEAR(distanceMargin(d, 0.05), 0.002, 1e-12);
 }
 
-TEST(Answer, TooSteepPosesAreInNeitherList) {
+TEST(AnswerRequest, TooSteepPosesAreInNeitherList) {
   const auto tilted = [](double deg, double sigma_deg) {
     Detection d = detectionAt({0, 0, 600, 25, deg, 70});
     d.covariance(3, 3) = d.covariance(4, 4) = std::pow(sigma_deg * kDegrees, 2);
@@ -226,7 +226,7 @@ TEST(Answer, TooSteepPosesAreInNeitherList) {
   EXPECT_FALSE(answered(turning));
 }
 
-TEST(Answer, OnlyTheDeviationTowardTheLimitCounts) {
+TEST(AnswerRequest, OnlyTheDeviationTowardTheLimitCounts) {
   // Tilted about the part's x: turns about its y leave the tilt alone.
   Detection d = detectionAt({0, 0, 600, 0, 41.0, 0});
   d.covariance.setZero();
@@ -236,7 +236,7 @@ TEST(Answer, OnlyTheDeviationTowardTheLimitCounts) {
   EXPECT_EQ(answer({d}, requestOf(FaceFilter::kAny)).detections.size(), 1u);
 }
 
-TEST(Answer, PosesOfTooFewPixelsAreWithheld) {
+TEST(AnswerRequest, PosesOfTooFewPixelsAreWithheld) {
   // The printed plate is 60 mm square: 56 pixels of 1697 per metre at 1.82 m.
   const auto out =
       answer({detectionAt({0, 0, 1810}, kPrinted), detectionAt({0, 0, 1830}, kPrinted)},

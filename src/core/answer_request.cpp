@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "answer.h"
+#include "answer_request.h"
 
 #include "outline_view.h"
 #include "part_size.h"
