@@ -63,14 +63,15 @@ void check(const cv::Mat& image, const Camera& camera, const LocateRequest& requ
     checkPartSize(*part, camera, request.distance_min, request.distance_max);
 }
 
-bool showsFace(const ScoredPose& pose, const std::vector<std::shared_ptr<const PartModel>>& parts) {
+bool showsFace(const RefinedPose& pose,
+               const std::vector<std::shared_ptr<const PartModel>>& parts) {
   return showsFace(*parts[pose.part], pose.T_camera_part, pose.face);
 }
 
 /// A robot sent to a pose whose z says the other face than `face` would come from the wrong side.
 void dropContradictions(const std::vector<std::shared_ptr<const PartModel>>& parts,
-                        std::vector<ScoredPose>* poses) {
-  const auto contradicts = [&](const ScoredPose& pose) { return !showsFace(pose, parts); };
+                        std::vector<RefinedPose>* poses) {
+  const auto contradicts = [&](const RefinedPose& pose) { return !showsFace(pose, parts); };
   poses->erase(std::remove_if(poses->begin(), poses->end(), contradicts), poses->end());
 }
 
@@ -147,8 +148,8 @@ LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
     clock.finish("plane", refined.size());
   }
 
-  auto scored = scorePoses(edges, camera, request.parts, refined, params_.score, threads);
-  dropContradictions(request.parts, &scored);
+  dropContradictions(request.parts, &refined);
+  const auto scored = scorePoses(edges, camera, request.parts, refined, params_.score, threads);
   clock.finish("score", scored.size());
 
   const auto ranked = rankPoses(scored, request.parts, params_.score.threshold, params_.rank);

@@ -23,12 +23,13 @@ inline double tiltOf(const Eigen::Isometry3d& T_camera_part, Face face) {
   return std::acos(std::clamp(-normalOf(T_camera_part, face).z(), -1.0, 1.0));
 }
 
-/// Whether the camera can see the face that is said to be up: all of it lies in front of the
-/// camera, and it looks toward the camera, against the optical axis and against the ray.
+/// Whether the camera can see the face that is said to be up: all of it and of its grid lies in
+/// front of the camera, and it looks toward the camera, against the optical axis and the ray.
 inline bool showsFace(const PartModel& part, const Eigen::Isometry3d& T_camera_part, Face face) {
   const Eigen::Vector3d centre = T_camera_part * centreOf(part, face).translation();
   const Eigen::Vector3d normal = normalOf(T_camera_part, face);
-  const double rise = part.radius() * std::hypot(normal.x(), normal.y());
+  constexpr double kGridRadii = 1.5;  // a corner of the square about a circle, and a cell more
+  const double rise = kGridRadii * part.radius() * std::hypot(normal.x(), normal.y());
   return centre.z() - rise > 0.0 && normal.z() < 0.0 && normal.dot(centre) < 0.0;
 }
 

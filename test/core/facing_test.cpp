@@ -115,8 +115,9 @@ TEST(Facing, ShowsFaceIsAboutRayAxisAndPlace) {
   // Behind the camera, and about it.
   EXPECT_FALSE(shows({0, 0, -600}, Face::kFront));
   EXPECT_FALSE(shows({0, 0, -600}, Face::kBack));
-  EXPECT_FALSE(shows({0, 0, 10, 0, 60, 0}, Face::kFront));
-  EXPECT_TRUE(shows({0, 0, 30, 0, 60, 0}, Face::kFront));
+  // 20 mm of radius and half as much again for the grid, tilted by 60 degrees: 26 mm.
+  EXPECT_FALSE(shows({0, 0, 25, 0, 60, 0}, Face::kFront));
+  EXPECT_TRUE(shows({0, 0, 28, 0, 60, 0}, Face::kFront));
 }
 
 TEST(Facing, TheTiltIsSignedByTheFace) {
