@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What a calibration leaves on disk. Every file is written whole or not at all, and the one that
-/// it replaces is kept beside it as `<name>.before`.
+/// What a calibration leaves on disk. Its files are replaced together or not at all, and those that
+/// they replace are kept beside them as `<name>.before`.
 
 #include "planar_bin_picking/hand_eye.h"
 
@@ -22,9 +22,14 @@ struct CalibrationNames {
 ///  - `calibration.yaml`: verdict, reasons and all numbers, whatever the verdict
 ///  - `report.html`: the same for people
 ///  - unless REFUSED, `camera_info.yaml` in the ROS format and `hand_eye.yaml`, a static transform
-/// @throws std::runtime_error  what cannot be written and why
+/// Numbers have points, whatever the process's locale.
+/// @throws std::runtime_error  what cannot be written and why; the former calibration stands whole
 void saveCalibration(const std::string& folder, const HandEyeProblem& problem,
                      const HandEyeResult& result, const CalibrationNames& names);
+
+/// Makes the folder and tries to write in it, so that a calibration need not fail at its end.
+/// @throws std::runtime_error  what cannot be made or written, and why
+void checkCalibrationFolder(const std::string& folder);
 
 /// A static transform as `hand_eye.yaml` has it.
 struct HandEyeFile {

@@ -7,6 +7,9 @@
 
 #include <cmath>
 #include <filesystem>
+#include <iomanip>
+#include <locale>
+#include <sstream>
 #include <stdexcept>
 
 namespace planar_bin_picking {
@@ -37,13 +40,38 @@ Values distortionOf(const Camera::Model& camera) {
   return d;
 }
 
-template <class T>
-void put(YAML::Emitter& out, const std::string& key, const T& value) {
+/// As text: the emitter's own conversion follows the process's locale, and where that has decimal
+/// commas or groups digits nobody could read the file.
+template <class Number>
+std::string numberText(const Number value) {
+  if (std::isnan(static_cast<double>(value))) return ".nan";
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << std::setprecision(10) << value;
+  return out.str();
+}
+
+void put(YAML::Emitter& out, const std::string& key, const std::string& value) {
   out << YAML::Key << key << YAML::Value << value;
 }
 
+void put(YAML::Emitter& out, const std::string& key, const char* value) {
+  put(out, key, std::string(value));
+}
+
+void put(YAML::Emitter& out, const std::string& key, bool value) {
+  out << YAML::Key << key << YAML::Value << value;
+}
+
+template <class Number>
+void put(YAML::Emitter& out, const std::string& key, const Number& value) {
+  put(out, key, numberText(value));
+}
+
 void putList(YAML::Emitter& out, const std::string& key, const Values& values) {
-  out << YAML::Key << key << YAML::Value << YAML::Flow << values;
+  out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginSeq;
+  for (const double value : values) out << numberText(value);
+  out << YAML::EndSeq;
 }
 
 void putMatrix(YAML::Emitter& out, const std::string& key, int rows, const Values& values) {
@@ -101,7 +129,6 @@ void putViews(YAML::Emitter& out, const HandEyeProblem& problem, const HandEyeRe
 
 std::string calibrationYaml(const HandEyeProblem& problem, const HandEyeResult& result) {
   YAML::Emitter out;
-  out.SetDoublePrecision(10);
   out << YAML::BeginMap;
   put(out, "verdict", nameOf(result.verdict));
   out << YAML::Key << "reasons" << YAML::Value << YAML::BeginSeq;
@@ -121,7 +148,6 @@ std::string calibrationYaml(const HandEyeProblem& problem, const HandEyeResult& 
 
 std::string cameraInfoYaml(const Camera::Model& c, const std::string& name) {
   YAML::Emitter out;
-  out.SetDoublePrecision(10);
   out << YAML::BeginMap;
   put(out, "image_width", c.width);
   put(out, "image_height", c.height);
@@ -138,7 +164,6 @@ std::string cameraInfoYaml(const Camera::Model& c, const std::string& name) {
 
 std::string handEyeYaml(const HandEyeResult& result, const CalibrationNames& names) {
   YAML::Emitter out;
-  out.SetDoublePrecision(10);
   out << YAML::BeginMap;
   put(out, "parent_frame", names.mount_frame);
   put(out, "child_frame", names.camera_frame);
@@ -162,21 +187,29 @@ Values numbers(const YAML::Node& root, const std::string& path, const std::strin
 
 }  // namespace
 
-void saveCalibration(const std::string& folder, const HandEyeProblem& problem,
-                     const HandEyeResult& result, const CalibrationNames& names) {
+void checkCalibrationFolder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder)) {
-    throw std::runtime_error(folder + ": this folder cannot be made: " + error.message());
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    throw std::runtime_error(folder + ": this folder for the calibration cannot be made: " +
+                             (error ? error.message() : "something else is there"));
   }
+  checkWritable(folder);
+}
+
+void saveCalibration(const std::string& folder, const HandEyeProblem& problem,
+                     const HandEyeResult& result, const CalibrationNames& names) {
+  checkCalibrationFolder(folder);
   const std::string at = folder + "/";
-  writeAtomically(at + "report.html", calibrationReport(problem, result));
+  std::vector<NamedContent> files{{at + "report.html", calibrationReport(problem, result)}};
   if (result.verdict != Verdict::kRefused) {
-    writeAtomically(at + "camera_info.yaml", cameraInfoYaml(result.camera, names.camera_name));
-    writeAtomically(at + "hand_eye.yaml", handEyeYaml(result, names));
+    files.push_back({at + "camera_info.yaml", cameraInfoYaml(result.camera, names.camera_name)});
+    files.push_back({at + "hand_eye.yaml", handEyeYaml(result, names)});
   }
   // Last: where it stands, all others do.
-  writeAtomically(at + "calibration.yaml", calibrationYaml(problem, result));
+  files.push_back({at + "calibration.yaml", calibrationYaml(problem, result)});
+  writeTogether(files);
 }
 
 HandEyeFile loadHandEye(const std::string& path) {

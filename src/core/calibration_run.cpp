@@ -36,6 +36,7 @@ void validate(const RunParams& params) {
   RunParams::fields(params, [&](const std::string& key, const auto& value, auto min, auto max) {
     if (value >= min && value <= max) return;
     std::ostringstream range;
+    range.imbue(std::locale::classic());
     range << "between " << min << " and " << max;
     refuse(key, value, range.str());
   });
@@ -60,6 +61,7 @@ CalibrationRun::CalibrationRun(const HandEyeProblem& empty, const HandEyeParams&
   validate(params_);
   if (!allowed(T_base_start)) {
     std::ostringstream text;
+    text.imbue(std::locale::classic());
     text << "the robot stands at [" << T_base_start.translation().transpose()
          << "], outside the workspace; move it into it, or change workspace_*";
     throw std::invalid_argument(text.str());

@@ -230,6 +230,7 @@ void validate(const Board& board) {
 
 Board parseBoard(const std::string& text, double square) {
   std::istringstream in(text);
+  in.imbue(std::locale::classic());
   Board board;
   char by = 0;
   if (!(in >> board.cols >> by >> board.rows) || by != 'x' || in.get() != EOF) {

@@ -160,6 +160,7 @@ void validate(const HdrParams& params) {
   HdrParams::fields(params, [](const char* key, double value, double min, double max) {
     if (value >= min && value <= max) return;
     std::ostringstream text;
+    text.imbue(std::locale::classic());
     text << key << " is " << value << ", must lie in " << min << " .. " << max;
     refuse(text.str());
   });
