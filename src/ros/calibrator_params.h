@@ -23,12 +23,13 @@ struct CalibratorParams {
   bool fixed_camera = false;   ///< keep the intrinsics that camera_info has
   double speed_scale = 0.2;    ///< share of the robot's full speed
   double move_timeout = 60.0;  ///< s, wall time, for a move
+  double stop_timeout = 3.0;   ///< s, wall time, for the robot to confirm that it stopped
   double image_timeout = 5.0;  ///< s, wall time
   double tf_timeout = 0.5;     ///< s, wall time: how much later than the image its tf may come in
   double settle = 0.3;         ///< s between standstill and the picture
   double blur_max_px = 4.0;    ///< edges wider than this: out of focus or moving
-  double reached_mm = 3.0;     ///< tf and the robot's answer may differ by this, and
-  double reached_deg = 0.5;    ///< this; more says that tf is stale
+  double reached_mm = 3.0;     ///< target, robot's answer and tf may differ by this, and
+  double reached_deg = 0.5;    ///< this; more ends the run
   planar_bin_picking::HandEyeParams solver;
   planar_bin_picking::RunParams run;
 
@@ -46,6 +47,7 @@ struct CalibratorParams {
     visit("fixed_camera", self.fixed_camera, false, true);
     visit("speed_scale", self.speed_scale, 0.001, 1.0);
     visit("move_timeout", self.move_timeout, 0.1, 3600.0);
+    visit("stop_timeout", self.stop_timeout, 0.1, 60.0);
     visit("image_timeout", self.image_timeout, 0.1, 3600.0);
     visit("tf_timeout", self.tf_timeout, 0.0, 60.0);
     visit("settle", self.settle, 0.0, 60.0);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator_ros.h"
 
+#include "calibrator_checks.h"
 #include "convert.h"
 #include "load_params.h"
 #include "names.h"
@@ -12,6 +13,7 @@
 #include <std_msgs/String.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <algorithm>
 #include <sstream>
 
 namespace planar_bin_picking_ros {
@@ -25,31 +27,8 @@ using planar_bin_picking::Verdict;
 
 namespace {
 
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-
-/// ~abort ends the run with this.
-struct Stopped : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// What the solver cannot know: poses that gave no picture of the board.
-void explain(const CalibrationRun& run, HandEyeResult* result) {
-  using State = planar_bin_picking::PlannedPose::State;
-  int refused = 0, lost = 0;
-  for (const auto& pose : run.poses()) {
-    refused += pose.state == State::kRefused ? 1 : 0;
-    lost += pose.state == State::kLost ? 1 : 0;
-  }
-  const std::string of = " of " + std::to_string(run.poses().size()) + " poses";
-  if (refused > 0) {
-    result->reasons.push_back("the robot refused " + std::to_string(refused) + of +
-                              "; start elsewhere, or correct the workspace");
-  }
-  if (lost > 0) {
-    result->reasons.push_back("no sharp board was seen from " + std::to_string(lost) + of +
-                              "; has it been moved or covered, is there light?");
-  }
-}
+/// s; what is published last needs it to reach those who listen, before the node goes.
+constexpr double kLastWord = 0.2;
 
 ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
   nh.setCallbackQueue(queue);
@@ -65,7 +44,8 @@ CalibratorRos::CalibratorRos(const ros::NodeHandle& nh, const ros::NodeHandle& p
       call_pnh_(onQueue(pnh, &call_queue_)),
       tf_listener_(tf_buffer_),
       source_(image_nh_, pnh),
-      robot_(nh, params_.base_frame, params_.speed_scale, params_.move_timeout),
+      robot_(nh,
+             {params_.base_frame, params_.speed_scale, params_.move_timeout, params_.stop_timeout}),
       image_spinner_(1, &image_queue_),
       call_spinner_(3, &call_queue_) {
   ROS_INFO_STREAM("calibrator:" << describe(params_));
@@ -82,14 +62,15 @@ CalibratorRos::CalibratorRos(const ros::NodeHandle& nh, const ros::NodeHandle& p
 }
 
 CalibratorRos::~CalibratorRos() {
-  if (running_) {
-    stop_ = true;
-    robot_.stopNow();
-  }
-  source_.close();
-  if (thread_.joinable()) thread_.join();
-  services_.clear();
+  const bool is_running = task_.close([this] {
+    robot_.forbidMoves();
+    source_.close();
+  });
+  if (is_running) robot_.stopNow();
+  for (ros::ServiceServer& service : services_) service.shutdown();
   call_spinner_.stop();
+  if (thread_.joinable()) thread_.join();
+  if (is_running) ros::WallDuration(kLastWord).sleep();
   image_spinner_.stop();
 }
 
@@ -101,54 +82,62 @@ void CalibratorRos::setStatus(const std::string& text) {
   status_.publish(message);
 }
 
-void CalibratorRos::checkStop() const {
-  if (stop_) throw Stopped("ABORTED: stopped by ~abort; nothing was saved");
+std::string CalibratorRos::stoppedStatus() {
+  if (robot_.isStopConfirmed()) return "ABORTED: the robot stopped as asked; nothing was saved";
+  ROS_FATAL_STREAM("the stop was not confirmed: the robot may be moving; use its own stop");
+  return "FAILED: stop was not confirmed: the robot may be moving; use its own stop; nothing was "
+         "saved";
+}
+
+CalibratorTask::Hold CalibratorRos::begin(CalibratorTask::Kind kind) {
+  return task_.begin(kind, [this, kind] {
+    source_.open();
+    robot_.reset(kind == CalibratorTask::Kind::kRun);
+  });
 }
 
 bool CalibratorRos::start(Request&, Response& response) {
-  const std::lock_guard<std::mutex> lock(start_mutex_);
-  if (running_) {
+  try {
+    auto hold = begin(CalibratorTask::Kind::kRun);
+    if (thread_.joinable()) thread_.join();  // of the run before, which says its last word
+    {
+      const std::lock_guard<std::mutex> status_lock(status_mutex_);
+      poses_so_far_ = summarize({});
+    }
+    thread_ = std::thread(&CalibratorRos::runThread, this, std::move(hold));
+    response.success = true;
+    response.message = "started; see ~status";
+  } catch (const std::exception& error) {
     response.success = false;
-    response.message = "a calibration is under way; ~abort ends it";
-    return true;
+    response.message = error.what();
   }
-  if (thread_.joinable()) thread_.join();
-  {
-    const std::lock_guard<std::mutex> status_lock(status_mutex_);
-    poses_so_far_ = summarize({});
-  }
-  stop_ = false;
-  running_ = true;
-  thread_ = std::thread(&CalibratorRos::runThread, this);
-  response.success = true;
-  response.message = "started; see ~status";
   return true;
 }
 
 bool CalibratorRos::abort(Request&, Response& response) {
-  if (!running_) {
-    response.success = false;
-    response.message = "no calibration is under way";
-    return true;
-  }
-  stop_ = true;
-  response.success = robot_.stopNow();
-  response.message = response.success ? "stopped" : "the robot did not confirm that it stopped";
+  // From here on no move begins, and nothing is waited for.
+  const bool is_running = task_.duringRun([this] {
+    robot_.forbidMoves();
+    source_.close();
+  });
+  response.success = is_running && robot_.stopNow();
+  response.message = response.success ? "stopped"
+                     : is_running     ? "stop was not confirmed: the robot may be moving; use its "
+                                        "own stop"
+                                      : "no calibration is under way";
   return true;
 }
 
-void CalibratorRos::runThread() {
+void CalibratorRos::runThread(CalibratorTask::Hold hold) {
   std::string status;
   try {
     status = calibrate();
-  } catch (const Stopped& stopped) {
-    status = stopped.what();
   } catch (const std::exception& error) {
-    status = stop_ ? "ABORTED: stopped by ~abort; nothing was saved"
-                   : std::string("FAILED: ") + error.what();
+    // Where an image was awaited it failed because it was stopped.
+    status = robot_.isAskedToStop() ? stoppedStatus() : std::string("FAILED: ") + error.what();
   }
   // Whoever reads the last status may start anew.
-  running_ = false;
+  hold.release();
   setStatus(status);
 }
 
@@ -162,56 +151,84 @@ HandEyeProblem CalibratorRos::emptyProblem(const Look& look) const {
   return problem;
 }
 
-CalibratorRos::Look CalibratorRos::look() {
-  Look look;
-  look.frame = source_.await(ros::Time(), ros::Duration(params_.image_timeout));
-  checkStop();
-  const std_msgs::Header& header = look.frame.image->header;
-  const LookupResult flange =
-      lookup(tf_buffer_, params_.base_frame, params_.flange_frame, header.stamp,
-             std::chrono::duration<double>(params_.tf_timeout));
-  if (!flange.T_target_source) {
+Eigen::Isometry3d CalibratorRos::flangeAt(const ros::Time& stamp) const {
+  constexpr double kSlice = 0.1;  // s; so long a stop waits at most
+  for (double left = params_.tf_timeout;; left -= kSlice) {
+    robot_.checkStop();
+    const LookupResult flange =
+        lookup(tf_buffer_, params_.base_frame, params_.flange_frame, stamp,
+               std::chrono::duration<double>(std::clamp(left, 0.0, kSlice)));
+    if (flange.T_target_source) return *flange.T_target_source;
+    if (left > kSlice) continue;
     throw std::runtime_error("tf has no way from " + params_.base_frame + " to " +
                              params_.flange_frame + " at the image's stamp (" + flange.reason +
                              "); check base_frame, flange_frame and the robot's driver");
   }
-  look.T_base_flange = *flange.T_target_source;
+}
+
+CalibratorRos::Look CalibratorRos::look() {
+  Look look;
+  look.frame = source_.await(ros::Time(), ros::Duration(params_.image_timeout));
+  look.T_base_flange = flangeAt(look.frame.image->header.stamp);
   look.image = toGrey(look.frame.image);
   look.board = planar_bin_picking::findBoard(look.image, board_, params_.blur_max_px);
-  camera_frame_ = header.frame_id;
   return look;
 }
 
 std::string CalibratorRos::calibrate() {
+  planar_bin_picking::checkCalibrationFolder(params_.output_folder);
   const Look first = look();
   if (first.board.status != BoardSighting::Status::kFound) {
-    const std::string other = planar_bin_picking::findOtherBoard({first.image}, board_);
-    throw std::runtime_error(
-        first.board.status == BoardSighting::Status::kBlurred
-            ? "the board is blurred at the start; focus the camera, light the board"
-        : other.empty()
-            ? "the start shows no board of " + params_.board +
-                  " inner corners; bring it into view, light it, count its inner corners"
-            : "the start shows a board of " + other + " inner corners, not of " + params_.board +
-                  "; set board to " + other);
+    throw std::runtime_error(whyNoBoard(first.board, first.image, board_));
   }
   CalibrationRun run(emptyProblem(first), params_.solver, params_.run, first.T_base_flange);
   bool move = false;  // the first picture is taken where the robot stands
   while (const auto target = run.next()) {
-    checkStop();
+    robot_.checkStop();
     setStatus("running: pose " + std::to_string(run.attempts()) + ", " +
               std::to_string(run.problem().sightings.size()) + " pictures so far");
     show(run);
-    visit(*target, move, &run);
+    visit(*target, move, first, &run);
     move = true;
   }
   show(run);
-  robot_.move(first.T_base_flange, stop_);
+  const std::string back = goBack(first.T_base_flange);
   setStatus("running: solving");
   HandEyeResult result = run.result();
-  checkStop();
+  robot_.checkStop();
   if (result.verdict != Verdict::kGood) explain(run, &result);
-  return save(run.problem(), result);
+  return save(run.problem(), result, first.frame.image->header.frame_id) + back;
+}
+
+bool CalibratorRos::goTo(const Eigen::Isometry3d& T_base_flange,
+                         Eigen::Isometry3d* T_base_reached) {
+  const auto answer = robot_.move(T_base_flange);
+  if (!answer.success) {
+    ROS_WARN_STREAM("the robot cannot go there: " << answer.message);
+    return false;
+  }
+  const std::string& frame = answer.reached.header.frame_id;
+  if (frame != params_.base_frame) {
+    throw std::runtime_error("the robot says in frame \"" + frame + "\" where it stands, must be " +
+                             params_.base_frame + ", as in the request; correct its adapter");
+  }
+  *T_base_reached = fromMsg(answer.reached.pose);
+  checkNear(T_base_flange, *T_base_reached, params_, "the robot says that it stands",
+            "where it was sent");
+  return true;
+}
+
+std::string CalibratorRos::goBack(const Eigen::Isometry3d& T_base_start) {
+  std::string reason = "the robot cannot go there";
+  try {
+    if (robot_.move(T_base_start).success) return "";
+  } catch (const Stopped&) {
+    throw;
+  } catch (const std::exception& error) {
+    reason = error.what();
+  }
+  ROS_ERROR_STREAM("the robot did not return to the start: " << reason);
+  return "; the robot did not return to the start: " + reason;
 }
 
 void CalibratorRos::show(const CalibrationRun& run) {
@@ -222,32 +239,21 @@ void CalibratorRos::show(const CalibrationRun& run) {
   poses_so_far_ = summarize(run.poses());
 }
 
-void CalibratorRos::visit(const Eigen::Isometry3d& T_base_flange, bool move, CalibrationRun* run) {
-  planar_bin_picking::MoveRobot::Response answer;
+void CalibratorRos::visit(const Eigen::Isometry3d& T_base_flange, bool move, const Look& first,
+                          CalibrationRun* run) {
+  Eigen::Isometry3d T_base_reached = first.T_base_flange;
   if (move) {
-    answer = robot_.move(T_base_flange, stop_);
-    if (!answer.success) {
-      ROS_WARN_STREAM("the robot did not go there ("
-                      << (answer.reachable ? "reachable" : "not reachable")
-                      << "): " << answer.message);
+    if (!goTo(T_base_flange, &T_base_reached)) {
       run->refused();
       return;
     }
-    ros::WallDuration(params_.settle).sleep();
+    robot_.pause(params_.settle);
   }
-  checkStop();
   const Look seen = look();
-  if (move) {
-    const Eigen::Isometry3d off = fromMsg(answer.reached.pose).inverse() * seen.T_base_flange;
-    const double mm = 1e3 * off.translation().norm();
-    const double deg = kDegrees * planar_bin_picking::rotationAngle(off.linear());
-    if (mm > params_.reached_mm || deg > params_.reached_deg) {
-      std::ostringstream text;
-      text << "tf is stale or of another frame: it has the flange " << mm << " mm and " << deg
-           << " deg from where the robot says it stands";
-      throw std::runtime_error(text.str());
-    }
-  }
+  checkSameCamera(first.frame, seen.frame);
+  checkNear(T_base_reached, seen.T_base_flange, params_,
+            "tf is stale or of another frame: it has the flange",
+            "where the robot says that it stands");
   if (seen.board.status != BoardSighting::Status::kFound) {
     ROS_WARN_STREAM((seen.board.status == BoardSighting::Status::kBlurred ? "board blurred"
                                                                           : "board not seen"));
@@ -258,14 +264,16 @@ void CalibratorRos::visit(const Eigen::Isometry3d& T_base_flange, bool move, Cal
              seen.board.corners});
 }
 
-std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResult& result) {
+std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResult& result,
+                                const std::string& camera_frame) {
   planar_bin_picking::CalibrationNames names;
   names.camera_name = params_.camera_name;
   names.mount_frame =
       problem.mounting == Mounting::kEyeInHand ? params_.flange_frame : params_.base_frame;
-  names.camera_frame = params_.camera_frame.empty() ? camera_frame_ : params_.camera_frame;
+  names.camera_frame = params_.camera_frame.empty() ? camera_frame : params_.camera_frame;
   planar_bin_picking::saveCalibration(params_.output_folder, problem, result, names);
   std::ostringstream status;
+  status.imbue(std::locale::classic());
   status << nameOf(result.verdict) << ":";
   if (result.verdict != Verdict::kRefused) {
     geometry_msgs::TransformStamped transform;
@@ -283,13 +291,14 @@ std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResu
 }
 
 bool CalibratorRos::plan(Request&, Response& response) {
+  const auto say = [&] {
+    const std::lock_guard<std::mutex> lock(status_mutex_);
+    response.success = true;
+    response.message = "under way; on ~plan_markers are " + poses_so_far_;
+  };
+  if (task_.duringRun(say)) return true;
   try {
-    if (running_) {
-      const std::lock_guard<std::mutex> lock(status_mutex_);
-      response.success = true;
-      response.message = "under way; on ~plan_markers are " + poses_so_far_;
-      return true;
-    }
+    const auto hold = begin(CalibratorTask::Kind::kPlan);
     const Look first = look();
     CalibrationRun run(emptyProblem(first), params_.solver, params_.run, first.T_base_flange);
     // Later poses depend on what is seen: these are the first ones.
@@ -306,22 +315,25 @@ bool CalibratorRos::plan(Request&, Response& response) {
   return true;
 }
 
+void CalibratorRos::keep(const Look& seen) {
+  if (!samples_) samples_ = std::make_unique<Samples>(Samples{emptyProblem(seen), seen.frame});
+  checkSameCamera(samples_->first, seen.frame);
+  auto& sightings = samples_->problem.sightings;
+  sightings.push_back(
+      {"sample " + std::to_string(sightings.size() + 1), seen.T_base_flange, seen.board.corners});
+}
+
 bool CalibratorRos::addSample(Request&, Response& response) {
-  const std::lock_guard<std::mutex> lock(sample_mutex_);
   try {
-    if (running_) throw std::runtime_error("a calibration is under way; ~abort ends it");
+    const auto hold = begin(CalibratorTask::Kind::kAddSample);
     const Look seen = look();
     response.success = seen.board.status == BoardSighting::Status::kFound;
-    if (response.success) {
-      if (!samples_) samples_ = std::make_unique<HandEyeProblem>(emptyProblem(seen));
-      auto& sightings = samples_->sightings;
-      sightings.push_back({"sample " + std::to_string(sightings.size() + 1), seen.T_base_flange,
-                           seen.board.corners});
-    }
+    if (response.success) keep(seen);
     response.message =
         (response.success ? "taken"
                           : "no sharp board of " + params_.board + " inner corners in view") +
-        std::string("; there are ") + std::to_string(samples_ ? samples_->sightings.size() : 0) +
+        std::string("; there are ") +
+        std::to_string(samples_ ? samples_->problem.sightings.size() : 0) +
         " samples; ~finish solves";
   } catch (const std::exception& error) {
     response.success = false;
@@ -331,11 +343,12 @@ bool CalibratorRos::addSample(Request&, Response& response) {
 }
 
 bool CalibratorRos::finish(Request&, Response& response) {
-  const std::lock_guard<std::mutex> lock(sample_mutex_);
   try {
+    const auto hold = begin(CalibratorTask::Kind::kFinish);
     if (!samples_) throw std::runtime_error("there are no samples; take some with ~add_sample");
-    const HandEyeResult result = planar_bin_picking::solveHandEye(*samples_, params_.solver);
-    response.message = save(*samples_, result);
+    const HandEyeProblem& problem = samples_->problem;
+    const HandEyeResult result = planar_bin_picking::solveHandEye(problem, params_.solver);
+    response.message = save(problem, result, samples_->first.image->header.frame_id);
     response.success = result.verdict != Verdict::kRefused;
     if (response.success) samples_.reset();
     setStatus(response.message);

@@ -4,9 +4,10 @@
 
 /// The calibrator as a ROS node. Does nothing before `~start`; then moves, looks and solves in a
 /// thread of its own, and says on the latched `~status` how it stands. A run ends with a status
-/// that begins with GOOD, POOR, REFUSED, ABORTED or FAILED.
+/// that begins with GOOD, POOR, REFUSED, ABORTED (the robot confirmed that it stopped) or FAILED.
 
 #include "calibrator_params.h"
+#include "calibrator_task.h"
 #include "image_source.h"
 #include "planar_bin_picking/calibration_file.h"
 #include "robot_mover.h"
@@ -19,7 +20,6 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_listener.h>
 
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -32,6 +32,8 @@ class CalibratorRos {
  public:
   /// @throws std::exception  a parameter is wrong: which one and why
   CalibratorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
+  /// Stops the robot if it is on a run; done within stop_timeout and what one image takes to
+  /// search.
   ~CalibratorRos();
   CalibratorRos(const CalibratorRos&) = delete;
   CalibratorRos& operator=(const CalibratorRos&) = delete;
@@ -47,6 +49,11 @@ class CalibratorRos {
     cv::Mat image;
     Frame frame;
   };
+  /// Pictures of push mode.
+  struct Samples {
+    planar_bin_picking::HandEyeProblem problem;
+    Frame first;
+  };
 
   bool start(Request&, Response& response);
   bool abort(Request&, Response& response);
@@ -54,21 +61,30 @@ class CalibratorRos {
   bool addSample(Request&, Response& response);
   bool finish(Request&, Response& response);
 
-  void runThread();
+  CalibratorTask::Hold begin(CalibratorTask::Kind kind);
+  void runThread(CalibratorTask::Hold hold);
   /// Moves and looks until the run has enough. @return  the final status
   std::string calibrate();
   /// Goes to the pose and looks; tells the run what came of it.
-  void visit(const Eigen::Isometry3d& T_base_flange, bool move,
+  void visit(const Eigen::Isometry3d& T_base_flange, bool move, const Look& first,
              planar_bin_picking::CalibrationRun* run);
+  /// @return  false where the robot cannot go there
+  bool goTo(const Eigen::Isometry3d& T_base_flange, Eigen::Isometry3d* T_base_reached);
+  /// @return  what went wrong, which costs no calibration
+  std::string goBack(const Eigen::Isometry3d& T_base_start);
   /// @throws std::runtime_error  no image, no transform
   Look look();
+  Eigen::Isometry3d flangeAt(const ros::Time& stamp) const;
   planar_bin_picking::HandEyeProblem emptyProblem(const Look& look) const;
+  void keep(const Look& seen);
   /// Publishes the run's poses and keeps what ~plan says of them.
   void show(const planar_bin_picking::CalibrationRun& run);
   std::string save(const planar_bin_picking::HandEyeProblem& problem,
-                   const planar_bin_picking::HandEyeResult& result);
+                   const planar_bin_picking::HandEyeResult& result,
+                   const std::string& camera_frame);
   void setStatus(const std::string& text);
-  void checkStop() const;
+  /// How a run ends that somebody stopped.
+  std::string stoppedStatus();
 
   const CalibratorParams params_;
   const planar_bin_picking::Board board_;
@@ -79,12 +95,11 @@ class CalibratorRos {
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   ImageSource source_;
   RobotMover robot_;
-  std::atomic<bool> running_{false}, stop_{false};
-  std::mutex start_mutex_, sample_mutex_, status_mutex_;
-  std::thread thread_;
-  std::unique_ptr<planar_bin_picking::HandEyeProblem> samples_;  // of push mode
-  std::string poses_so_far_;                                     // guarded by status_mutex_
-  std::string camera_frame_;                                     // of the latest image
+  CalibratorTask task_;
+  std::thread thread_;                // of the run; whoever begins one has the task
+  std::unique_ptr<Samples> samples_;  // whoever has the task
+  std::mutex status_mutex_;
+  std::string poses_so_far_;  // guarded by status_mutex_
   ros::Publisher status_, markers_;
   std::vector<ros::ServiceServer> services_;
   ros::AsyncSpinner image_spinner_, call_spinner_;

@@ -48,4 +48,9 @@ void ImageInbox::close() {
   arrived_.notify_all();
 }
 
+void ImageInbox::open() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  closed_ = false;
+}
+
 }  // namespace planar_bin_picking_ros

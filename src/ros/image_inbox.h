@@ -47,6 +47,7 @@ class ImageInbox {
   /// Ends all waiting, now and later.
   void close();
   bool closed() const;
+  void open();  ///< later calls wait again
 
  private:
   mutable std::mutex mutex_;

@@ -30,6 +30,7 @@ class ImageSource {
 
   std::string topic() const { return camera_.getTopic(); }
   void close() { inbox_.close(); }  ///< ends all waiting
+  void open() { inbox_.open(); }    ///< after close(): later calls wait again
 
  private:
   std::string whyNone(const ros::Time& not_before) const;

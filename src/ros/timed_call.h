@@ -4,34 +4,26 @@
 
 /// A service call that ends in time, also when the other node hangs: roscpp's own waits for ever.
 
+#include "service_call.h"
+
 #include <ros/node_handle.h>
 
 #include <chrono>
-#include <future>
 #include <string>
 
 namespace planar_bin_picking_ros {
 
-enum class CallEnd {
-  kAnswered,
-  kNobody,  ///< no node offers the service
-  kFailed,  ///< the other node went away or reported an error
-  kLate,    ///< no answer in time; the call was broken off
-};
-
 /// @param seconds  wall time
 /// @param service  its response is filled in where the call is answered
 template <class Service>
-CallEnd callWithin(ros::NodeHandle nh, const std::string& name, double seconds, Service* service) {
-  constexpr bool kPersistent = true;  // only then does shutdown() end a call that waits
-  ros::ServiceClient client = nh.serviceClient<Service>(name, kPersistent);
-  if (!client.isValid()) return CallEnd::kNobody;
-  auto answered = std::async(std::launch::async, [&] { return client.call(*service); });
-  const bool is_late =
-      answered.wait_for(std::chrono::duration<double>(seconds)) != std::future_status::ready;
-  if (is_late) client.shutdown();
-  if (answered.get()) return CallEnd::kAnswered;
-  return is_late ? CallEnd::kLate : CallEnd::kFailed;
+CallEnd callWithin(const ros::NodeHandle& nh, const std::string& name, double seconds,
+                   Service* service) {
+  const auto limit = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(seconds));
+  ServiceCall<Service> call(nh.resolveName(name), service->request);
+  if (!call.waitUntil(std::chrono::steady_clock::now() + limit)) return CallEnd::kLate;
+  if (call.end() == CallEnd::kAnswered) service->response = call.response();
+  return call.end();
 }
 
 }  // namespace planar_bin_picking_ros
