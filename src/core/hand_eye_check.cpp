@@ -97,6 +97,7 @@ std::vector<Usable> checkSightings(const HandEyeProblem& problem, const HandEyeP
       continue;
     }
     std::ostringstream text;
+    text.imbue(std::locale::classic());
     text.precision(3);
     text << "robot and board turn by angles that differ by " << errors[i] / kRadians << " deg";
     (*views)[usable[i].index].why_not = text.str();

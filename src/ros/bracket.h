@@ -43,15 +43,23 @@ class BracketTaker {
   /// @throws std::runtime_error  none came within frame_timeout
   ExposedFrame takeSingle(double seconds);
 
-  /// All exposures, the single one's first. Sets the single exposure again afterwards and waits
-  /// until a frame has it, so that the next call finds it.
+  /// All exposures, the single one's first, within bracket_timeout. Sets the single exposure again
+  /// afterwards, whatever came before, and waits until a frame has it, so that the next call finds
+  /// it. For each exposure it waits for frame_timeout, and asks for triggers_max frames at most.
   /// @throws BracketFailure  a command failed, or no frame with that exposure came in time
   std::vector<ExposedFrame> take(const ExposedFrame& single);
 
  private:
+  /// What became of one exposure so far.
+  struct Tally {
+    int count = 0;       ///< frames
+    double shown = 0.0;  ///< exposure that the newest shows, seconds; 0 = none shows one
+  };
   ExposedFrame takeOne(double seconds, const std::vector<ExposedFrame>& known);
-  bool hasExposure(const Frame& frame, double seconds, const ExposedFrame& reference, int count,
-                   double* shown) const;
+  bool mayAsk(const Tally& tally, SteadyTime deadline) const;
+  bool hasExposure(const Frame& frame, double seconds, const ExposedFrame& reference,
+                   Tally* tally) const;
+  std::string failure(double seconds, const Tally& tally) const;
 
   const HdrNodeParams& params_;
   SetExposure set_;

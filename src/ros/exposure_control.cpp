@@ -8,7 +8,9 @@
 #include <planar_bin_picking/SetExposure.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <stdexcept>
 
 namespace planar_bin_picking_ros {
@@ -75,7 +77,10 @@ double ExposureControl::single() {
     call(&nothing);
     now = secondsIn(nothing.response.config);
   }
-  return params_.single_ms > 0.0 ? 1e-3 * params_.single_ms : now;
+  if (params_.single_ms > 0.0) return 1e-3 * params_.single_ms;
+  if (now > 0.0 && std::isfinite(now)) return now;
+  throw std::runtime_error("the camera says that its exposure is " + milliseconds(now) +
+                           "; switch its automatic exposure off, or set ~hdr/single_ms");
 }
 
 double ExposureControl::secondsIn(const dynamic_reconfigure::Config& config) {
@@ -100,6 +105,10 @@ double ExposureControl::command(const double seconds) {
   }
   Reconfigure service;
   const double value = seconds / params_.exposure_unit_seconds;
+  if (is_whole_ && std::abs(value) > std::numeric_limits<std::int32_t>::max()) {
+    throw std::runtime_error(milliseconds(seconds) + " is more than " + params_.exposure_parameter +
+                             " can hold; correct ~hdr/exposure_unit_seconds");
+  }
   if (is_whole_) {
     service.request.config.ints.resize(1);
     service.request.config.ints[0].name = params_.exposure_parameter;

@@ -30,6 +30,10 @@ void validate(const HdrNodeParams& params) {
     require(!params.camera_node.empty() && !params.exposure_parameter.empty(),
             "set ~hdr/camera_node and ~hdr/exposure_parameter, or ~hdr/exposure_service");
   }
+  require(params.trigger_service.empty() || params.triggers_max >= params.blind_frames,
+          "~hdr/triggers_max is " + std::to_string(params.triggers_max) +
+              ", must be at least ~hdr/blind_frames, which is " +
+              std::to_string(params.blind_frames));
   planar_bin_picking::validate(params.merge);
 }
 

@@ -25,6 +25,8 @@ struct HdrNodeParams {
 
   double command_timeout = 2.0;     ///< s, wall time, for the camera to take a command in
   double frame_timeout = 2.0;       ///< s, wall time, for a frame with the new exposure to come
+  double bracket_timeout = 30.0;    ///< s, wall time, after which no further exposure begins
+  int triggers_max = 10;            ///< frames asked for, for one exposure, with trigger_service
   double exposure_tolerance = 0.2;  ///< relative, of the exposure that a frame shows
   int blind_frames = 3;  ///< that one is taken on trust whose grey levels tell nothing (all white)
   int threads = 0;       ///< 0 = as many as the machine has cores
@@ -44,6 +46,8 @@ struct HdrNodeParams {
     visit("trigger_service", self.trigger_service);
     visit("command_timeout", self.command_timeout, 0.01, 60.0);
     visit("frame_timeout", self.frame_timeout, 0.01, 60.0);
+    visit("bracket_timeout", self.bracket_timeout, 0.01, 600.0);
+    visit("triggers_max", self.triggers_max, 1, 1000);
     visit("exposure_tolerance", self.exposure_tolerance, 0.01, 1.0);
     visit("blind_frames", self.blind_frames, 1, 100);
     visit("threads", self.threads, 0, 64);
@@ -55,7 +59,7 @@ struct HdrNodeParams {
 };
 
 /// @throws std::invalid_argument  naming the key: fewer than two exposures, one that is not
-///         positive, a service without single_ms
+///         positive, a service without single_ms, fewer triggers than blind frames
 void validate(const HdrNodeParams& params);
 
 }  // namespace planar_bin_picking_ros

@@ -109,6 +109,7 @@ void HdrRos::ask() {
   const CallEnd end = callWithin(image_nh_, name, params_.command_timeout, &service);
   if (end == CallEnd::kAnswered && service.response.success) return;
   std::string reason = "nobody answers it";
+  if (end == CallEnd::kFailed) reason = "the call failed; see the log of its node";
   if (end == CallEnd::kLate) reason = "no answer within ~hdr/command_timeout";
   if (end == CallEnd::kAnswered) reason = service.response.message;
   throw std::runtime_error(name + " makes no frame: " + reason);

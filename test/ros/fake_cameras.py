@@ -10,6 +10,10 @@
     clamps     uses 10 ms at most, and says so
     drops      sends nothing for 3 s after a command
     waits      takes a frame on request only
+    eager      as waits, ignores commands, and answers a request only once its frame is out
+    refuses    SetExposure: takes no command in, and says why
+    rounds     SetExposure: uses 10 ms, and says so
+    auto       says that its exposure is 0
     hangs      does not answer a command for 3 s
     mute       as waits, but does not answer a request for 3 s, and takes no frame
 
@@ -48,10 +52,11 @@ class Camera:
         self.image = rospy.Publisher(f"{manners}/camera/image_raw", Image, queue_size=1)
         self.info = rospy.Publisher(f"{manners}/camera/camera_info", CameraInfo, queue_size=1)
         self.wanted = threading.Event()
-        if manners in ("waits", "mute"):
+        self.scene, self.asked = light(), 0
+        if manners in ("waits", "mute", "eager"):
             rospy.Service(f"{manners}/camera/trigger", Trigger, self.serve_trigger)
-        if manners == "service":
-            rospy.Service("service/set_exposure", SetExposure, self.serve_exposure)
+        if manners in ("service", "refuses", "rounds"):
+            rospy.Service(f"{manners}/set_exposure", SetExposure, self.serve_exposure)
         else:
             rospy.Service(f"{manners}/camera/set_parameters", Reconfigure, self.serve_parameters)
 
@@ -59,9 +64,9 @@ class Camera:
         """Takes a command in; what the camera says that it uses."""
         if self.manners == "hangs":
             rospy.sleep(SILENCE)
-        if self.manners == "clamps":
-            seconds = min(seconds, 0.010)
-        if self.manners != "ignores":
+        if self.manners in ("clamps", "rounds"):
+            seconds = 0.010 if self.manners == "rounds" else min(seconds, 0.010)
+        if self.manners not in ("ignores", "eager"):
             with self.lock:
                 self.exposures[-1] = seconds
                 if self.manners == "drops":
@@ -73,13 +78,20 @@ class Camera:
             rospy.sleep(SILENCE)
             return TriggerResponse(success=False, message="mute")
         self.wanted.set()
+        if self.manners == "eager":
+            self.asked += 1
+            rospy.set_param("eager/asked", self.asked)
+            self.publish(self.scene)
+            rospy.sleep(0.02)  # the frame is out and has come in
         return TriggerResponse(success=True)
 
     def serve_exposure(self, request):
+        if self.manners == "refuses":
+            return SetExposureResponse(success=False, message="the shutter is locked")
         return SetExposureResponse(success=True, seconds=self.command(request.seconds))
 
     def serve_parameters(self, request):
-        used = self.exposures[-1]
+        used = 0.0 if self.manners == "auto" else self.exposures[-1]
         for parameter in request.config.ints:
             if parameter.name == "exposure":
                 used = self.command(1e-6 * parameter.value)
@@ -94,7 +106,7 @@ class Camera:
         return ReconfigureResponse(config)
 
     def publish(self, scene):
-        if self.manners in ("waits", "mute") and not self.wanted.is_set():
+        if self.manners in ("waits", "mute", "eager") and not self.wanted.is_set():
             return
         self.wanted.clear()
         with self.lock:
@@ -121,7 +133,8 @@ def main():
     rate = rospy.Rate(RATE)
     while not rospy.is_shutdown():
         for camera in cameras:
-            camera.publish(scene)
+            if camera.manners != "eager":
+                camera.publish(scene)
         rate.sleep()
 
 

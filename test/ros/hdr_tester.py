@@ -106,6 +106,26 @@ class HdrTest(unittest.TestCase):
         self.assertFalse(response.success)
         self.assertIn("no answer within ~hdr/command_timeout", response.message)
 
+    def test_eager(self):
+        """Nothing ever waits for a frame: the number of triggers ends it."""
+        start = rospy.get_time()
+        self.check_single("eager", "asked for 2 ms, but the newest of 6 frames since then looks like 8")
+        self.assertLess(rospy.get_time() - start, 4.0)
+        # The single image, six that show no 2 ms, one on the way back.
+        self.assertEqual(rospy.get_param("eager/asked"), 8)
+
+    def test_refuses(self):
+        self.check_single("refuses", "set_exposure refused 2 ms: the shutter is locked")
+
+    def test_rounds(self):
+        self.check_single("rounds", "asked for 2 ms, the camera says 10 ms")
+
+    def test_auto(self):
+        self.check_single("auto", "the camera says that its exposure is 0 ms", "~hdr/single_ms")
+
+    def test_long(self):
+        self.check_single("long", "5e+04 ms is more than exposure can hold", "~hdr/exposure_unit_seconds")
+
     def test_absent(self):
         self.check_single("absent", "nobody offers", "nothing/set_parameters")
 

@@ -54,6 +54,12 @@ TEST(LoadHdrNodeParams, RefusesByKey) {
   EXPECT_TRUE(refuses([&] { loadHdrNodeParams(one); }, {"at least two"}));
   negative["exposures_ms"] = list({8.0, -1.0});
   EXPECT_TRUE(refuses([&] { loadHdrNodeParams(negative); }, {"~hdr/exposures_ms"}));
+  XmlRpcValue triggers = emptyTree();
+  triggers["triggers_max"] = 2;
+  EXPECT_EQ(loadHdrNodeParams(triggers).triggers_max, 2);
+  triggers["trigger_service"] = "trigger";
+  EXPECT_TRUE(
+      refuses([&] { loadHdrNodeParams(triggers); }, {"~hdr/triggers_max is 2", "which is 3"}));
   service["exposure_service"] = "set_exposure";
   EXPECT_TRUE(refuses([&] { loadHdrNodeParams(service); }, {"~hdr/single_ms"}));
   service["single_ms"] = 10.0;
