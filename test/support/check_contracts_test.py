@@ -11,7 +11,7 @@ from check_contracts import gaps
 MESSAGE = "uint8 GOOD = 0  # a comment with spoiled: in it\nuint8 BAD = 1\nuint8 state\nfloat64 width  # of it\n"
 SERVICE = "string what\nfloat64 amount\n---\nuint8 OK = 0\nuint8 LOST = 7\nuint8 status\nfloat64 amount\nMade[] made\n"
 CONFIG = "rate: 1.0   # Hz\nlamp:\n  power: 2\n# port: 3\n"
-SOURCE = 'kKeys = {"drawing", "colour"};\nrefuseUnknownKeys(node, where,\n   {"position_mm"});'
+SOURCE = 'kKeys = {"drawing", "colour", "pick_poses"};\nrefuseUnknownKeys(node, where,\n   {"position_mm"});'
 
 # Names each of them.
 TESTER = """
@@ -30,7 +30,7 @@ LAUNCH = """<launch>
   <arg name="parts" value="parts_here"/>
 </launch>
 """
-PART = "drawing: a.dxf\ncolour: red\nposes: [{position_mm: [0, 0, 0]}]\n"
+PART = "drawing: a.dxf\ncolour: red\npick_poses: [{position_mm: [0, 0, 0]}]\n"
 
 
 class Contracts(unittest.TestCase):
