@@ -102,6 +102,13 @@ class Contracts(unittest.TestCase):
         launch = LAUNCH.replace("</launch>", '<param name="what" value="y"/></launch>')
         self.assertEqual(self.gaps_of(files={"test/ros/x_tester.cpp": text, "test/ros/x.test": launch}), [])
 
+    def test_an_argument_of_a_launch_file_sets_its_parameter(self):
+        launch = '<launch><arg name="to"/><param name="node/port" value="$(arg to)/x"/></launch>'
+        include = '<include file="$(find here)/launch/node.launch">{}</include>'
+        for argument, found in (("", ["node.yaml: key port"]), ('<arg name="to" value="y"/>', [])):
+            text = LAUNCH.replace(", port: 4", "").replace("</launch>", include.format(argument) + "</launch>")
+            self.assertEqual(self.gaps_of(files={"test/ros/x.test": text, "launch/node.launch": launch}), found)
+
     def test_texts_that_are_no_honest_yaml_do_no_harm(self):
         deep = "[" * 5000
         text = TESTER + 'const char* a = "&a {b: *a}"; const char* c = "c: ' + deep + '"; const char* d = "d: \x01";'

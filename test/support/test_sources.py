@@ -153,6 +153,19 @@ def read_launch(text):
     return named
 
 
+def set_by_launch_files(text, package):
+    """A .test that gives a launch file an argument sets the parameters that are made of it."""
+    root = ElementTree.fromstring(text)
+    values = {f"$(arg {arg.get('name')})": arg.get("value", arg.get("default", "")) for arg in root.iter("arg")}
+    for include in root.iter("include"):
+        launch = re.search(r"launch/\w+\.launch$", values.get(include.get("file"), include.get("file")))
+        given = {f"$(arg {arg.get('name')})" for arg in include.iter("arg")}
+        if launch and (package / launch[0]).exists():
+            for param in ElementTree.parse(package / launch[0]).getroot().iter("param"):
+                if any(name in param.get("value", "") for name in given):
+                    yield param.get("name")
+
+
 def number(text):
     return yaml.safe_load(text) if re.fullmatch(r"-?[\d.]+", text) else text
 
@@ -167,4 +180,8 @@ READERS = {".cpp": read_cpp, ".py": read_python, ".test": read_launch, ".yaml": 
 
 
 def read(path):
-    return READERS[path.suffix](path.read_text())
+    named = READERS[path.suffix](path.read_text())
+    if path.suffix == ".test":
+        for name in set_by_launch_files(path.read_text(), path.parents[2]):
+            named.add_tree({name: ""})
+    return named
