@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/checkerboard.h"
 
+#include "planar_bin_picking/grey.h"
+
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -13,17 +15,12 @@
 namespace planar_bin_picking {
 namespace {
 
-cv::Mat toEightBit(const cv::Mat& image) {
+cv::Mat checkedGrey(const cv::Mat& image) {
   if (image.empty() || image.channels() != 1 ||
       (image.depth() != CV_8U && image.depth() != CV_16U)) {
     throw std::invalid_argument("checkerboard: the image is empty or not grey of 8 or 16 bit");
   }
-  if (image.depth() == CV_8U) return image;
-  double min = 0.0, max = 0.0;
-  cv::minMaxLoc(image, &min, &max);
-  cv::Mat out;
-  image.convertTo(out, CV_8U, 255.0 / std::max(1.0, max));
-  return out;
+  return toEightBits(image);
 }
 
 /// The image made smaller by a whole number, and its corners back in full size. Corners are refined
@@ -244,7 +241,7 @@ Board parseBoard(const std::string& text, double square) {
 
 BoardSighting findBoard(const cv::Mat& image, const Board& board, double blur_max) {
   validate(board);
-  const cv::Mat grey_image = toEightBit(image);
+  const cv::Mat grey_image = checkedGrey(image);
   BoardSighting out;
   std::vector<cv::Point2f> corners = search(grey_image, board);
   if (corners.empty()) return out;
@@ -290,7 +287,7 @@ std::vector<std::vector<std::size_t>> orderings(const Board& board) {
 std::string findOtherBoard(const std::vector<cv::Mat>& images, const Board& board) {
   std::vector<cv::Mat> some;  // evenly spread: nobody needs all of them to see a miscount
   const std::size_t step = std::max<std::size_t>(1, images.size() / 6);
-  for (std::size_t i = 0; i < images.size(); i += step) some.push_back(toEightBit(images[i]));
+  for (std::size_t i = 0; i < images.size(); i += step) some.push_back(checkedGrey(images[i]));
   for (const auto& [dc, dr] : {std::pair(-1, -1),
                                {-1, 0},
                                {0, -1},

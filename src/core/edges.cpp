@@ -4,6 +4,7 @@
 
 #include "noise.h"
 #include "parallel.h"
+#include "planar_bin_picking/grey.h"
 #include "scharr.h"
 #include "simd.h"
 #include "texture.h"
@@ -22,19 +23,6 @@ struct Base {
   cv::Mat grey;
   int shrink = 1;
 };
-
-/// 16-bit images carry 10, 12, 14 or 16 bits, in the low ones: the highest bit in use becomes
-/// bit 7.
-cv::Mat toEightBits(const cv::Mat& image) {
-  if (image.depth() == CV_8U) return image;
-  double highest = 0.0;
-  cv::minMaxLoc(image, nullptr, &highest);
-  int bits = 8;
-  while (bits < 16 && (1 << bits) <= highest) ++bits;
-  cv::Mat out;
-  image.convertTo(out, CV_8U, 1.0 / (1 << (bits - 8)), -0.5 + 0.5 / (1 << (bits - 8)));
-  return out;
-}
 
 Base shrinkImage(const cv::Mat& image, int shrink) {
   if (shrink == 1) return {image, 1};

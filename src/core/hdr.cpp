@@ -3,6 +3,7 @@
 #include "planar_bin_picking/hdr.h"
 
 #include "parallel.h"
+#include "planar_bin_picking/grey.h"
 
 #include <opencv2/core.hpp>
 
@@ -37,15 +38,10 @@ void checkBracket(const std::vector<Exposure>& bracket) {
   }
 }
 
-/// 16-bit images carry 10, 12, 14 or 16 bits, in the low ones.
+/// The highest level that the camera gives.
 int fullScale(const std::vector<cv::Mat>& images) {
-  if (images[0].depth() == CV_8U) return 255;
   int bits = 8;
-  for (const cv::Mat& image : images) {
-    double highest = 0.0;
-    cv::minMaxLoc(image, nullptr, &highest);
-    while (bits < 16 && (1 << bits) <= highest) ++bits;
-  }
+  for (const cv::Mat& image : images) bits = std::max(bits, bitsInUse(image));
   return (1 << bits) - 1;
 }
 

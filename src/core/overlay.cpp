@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/overlay.h"
 
+#include "planar_bin_picking/grey.h"
+
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
@@ -23,16 +25,16 @@ cv::Mat toColor(const cv::Mat& image) {
   if (image.channels() != 1 || (image.depth() != CV_8U && image.depth() != CV_16U)) {
     throw std::invalid_argument("drawOverlay: the image must be 8- or 16-bit with one channel");
   }
-  cv::Mat grey = image;
+  cv::Mat grey = toEightBits(image);
   if (image.depth() == CV_16U) {
-    std::vector<std::uint16_t> values;
-    for (int row = 0; row < image.rows; row += 4) {
-      for (int col = 0; col < image.cols; col += 4)
-        values.push_back(image.at<std::uint16_t>(row, col));
+    std::vector<std::uint8_t> values;
+    for (int row = 0; row < grey.rows; row += 4) {
+      for (int col = 0; col < grey.cols; col += 4)
+        values.push_back(grey.at<std::uint8_t>(row, col));
     }
     const auto bright = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 999 / 1000);
     std::nth_element(values.begin(), bright, values.end());
-    image.convertTo(grey, CV_8U, 255.0 / std::max<int>(1, *bright));
+    grey.convertTo(grey, CV_8U, 255.0 / std::max<int>(1, *bright));
   }
   cv::Mat color;
   cv::cvtColor(grey, color, cv::COLOR_GRAY2BGR);
