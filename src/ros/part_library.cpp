@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <set>
 #include <stdexcept>
+#include <system_error>
 
 namespace planar_bin_picking_ros {
 
@@ -32,35 +33,84 @@ bool isYaml(const fs::path& path) {
   return extension(path) == ".yaml" || extension(path) == ".yml";
 }
 
+/// Follows links; false where they lead nowhere or out of the folder.
+bool isWithin(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  if (error) return false;
+  const fs::path inside = real.lexically_relative(fs::canonical(folder, error));
+  return !error && !inside.empty() && *inside.begin() != "..";
+}
+
 /// The drawing that a part's yaml names. A yaml that cannot be read claims none: loading the part
 /// itself reports what is wrong with it.
 fs::path claimedDrawing(const fs::path& yaml) {
   try {
-    const YAML::Node drawing = YAML::LoadFile(yaml.string())["drawing"];
-    if (drawing) return (yaml.parent_path() / drawing.as<std::string>()).lexically_normal();
+    const YAML::Node root = YAML::LoadFile(yaml.string());
+    if (root.IsMap() && root["drawing"])
+      return (yaml.parent_path() / root["drawing"].as<std::string>()).lexically_normal();
   } catch (const YAML::Exception&) {
   }
   return {};
 }
 
-/// Part name -> the file to load it from.
-std::map<std::string, fs::path> findParts(const fs::path& folder) {
+/// Why a file of the folder is not even opened; "" where it may be.
+std::string whyNotOpened(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  // A directory cannot be read, and a FIFO or a device might never end.
+  if (!fs::is_regular_file(path, error)) return path.string() + ": is no regular file";
+  if (isWithin(folder, path)) return "";
+  return path.string() + ": is a link out of the parts folder; copy the file into it";
+}
+
+struct Found {
+  std::map<std::string, fs::path> files;      ///< part name -> the file to load it from
+  std::map<std::string, std::string> errors;  ///< part name -> why it has none
+};
+
+/// Parts in yaml files, and the drawings that these name.
+void findYamlParts(const fs::path& folder, const std::vector<fs::path>& yamls,
+                   std::set<fs::path>* claimed, Found* found) {
+  for (const fs::path& yaml : yamls) {
+    const std::string name = yaml.stem().string();
+    std::string error = whyNotOpened(folder, yaml);
+    if (error.empty()) {
+      const fs::path drawing = claimedDrawing(yaml);
+      claimed->insert(drawing);
+      std::error_code ignored;
+      if (!drawing.empty() && fs::exists(drawing, ignored) && !isWithin(folder, drawing)) {
+        error = yaml.string() + ": its drawing lies outside of the parts folder; copy it into it";
+      }
+    }
+    if (error.empty()) {
+      found->files[name] = yaml;
+    } else {
+      found->errors[name] = error;
+    }
+  }
+}
+
+Found findParts(const fs::path& folder) {
   std::vector<fs::path> yamls, drawings;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (isYaml(entry.path())) yamls.push_back(entry.path());
     if (extension(entry.path()) == ".dxf") drawings.push_back(entry.path());
   }
-  std::map<std::string, fs::path> files;
+  std::sort(yamls.begin(), yamls.end());  // whatever order the file system has them in
+  Found found;
   std::set<fs::path> claimed;
-  for (const auto& yaml : yamls) {
-    files[yaml.stem().string()] = yaml;
-    claimed.insert(claimedDrawing(yaml));
-  }
+  findYamlParts(folder, yamls, &claimed, &found);
   for (const auto& drawing : drawings) {
-    if (claimed.count(drawing.lexically_normal()) == 0)
-      files.emplace(drawing.stem().string(), drawing);
+    const std::string name = drawing.stem().string();
+    if (claimed.count(drawing.lexically_normal()) > 0 || found.errors.count(name) > 0) continue;
+    const std::string error = whyNotOpened(folder, drawing);
+    if (error.empty()) {
+      found.files.emplace(name, drawing);
+    } else if (found.files.count(name) == 0) {
+      found.errors[name] = error;
+    }
   }
-  return files;
+  return found;
 }
 
 template <class Map>
@@ -81,11 +131,12 @@ PartLibrary::PartLibrary(const std::string& folder) : folder_(folder) {
   if (!fs::is_directory(folder, error)) {
     throw std::runtime_error("parts folder '" + folder + "' is not a folder that can be read");
   }
-  const auto files = findParts(folder);
-  if (files.empty()) {
+  const Found found = findParts(folder);
+  if (found.files.empty() && found.errors.empty()) {
     throw std::runtime_error("parts folder '" + folder + "' has neither *.dxf nor *.yaml in it");
   }
-  for (const auto& [name, file] : files) {
+  errors_ = found.errors;
+  for (const auto& [name, file] : found.files) {
     try {
       parts_[name] =
           std::make_shared<const PartModel>(planar_bin_picking::loadPartFile(file.string()));

@@ -18,7 +18,9 @@ using PartPtr = std::shared_ptr<const planar_bin_picking::PartModel>;
 
 class PartLibrary {
  public:
-  /// A part is a *.yaml or a *.dxf that no yaml of the folder names as its drawing.
+  /// A part is a *.yaml or a *.dxf that no yaml of the folder names as its drawing. What is no
+  /// regular file, or lies outside of the folder by way of a link or of the drawing that a yaml
+  /// names, is not read: that part is not available.
   /// @throws std::runtime_error  the folder cannot be read or has no part in it
   explicit PartLibrary(const std::string& folder);
 

@@ -6,6 +6,7 @@
 #include "support/temp_dir.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 
@@ -50,6 +51,52 @@ TEST(PartLibrary, BadPartDoesNotHinderOthers) {
   EXPECT_TRUE(refuses([&] { library.select("bad"); }, {"bad.dxf"}));
   EXPECT_TRUE(refuses([&] { library.select("worse"); }, {"missing.dxf"}));
   EXPECT_TRUE(refuses([&] { library.select("other"); }, {"other", "good"}));
+}
+
+// A directory cannot be read, and who opens a FIFO waits for ever.
+TEST(PartLibrary, OpensRegularFilesAlone) {
+  const TempDir folder;
+  fs::copy(kBracket, folder.path("good.dxf"));
+  fs::create_directory(folder.path("directory.yaml"));
+  fs::create_directory(folder.path("folder.dxf"));
+  ASSERT_EQ(mkfifo(folder.path("pipe.yaml").c_str(), 0600), 0);
+  ASSERT_EQ(mkfifo(folder.path("pipe_drawing.dxf").c_str(), 0600), 0);
+  const PartLibrary library(folder.path(""));
+  EXPECT_EQ(names(library.select("")), std::vector<std::string>{"good"});
+  for (const char* name : {"directory", "folder", "pipe", "pipe_drawing"})
+    EXPECT_TRUE(refuses([&] { library.select(name); }, {name, "regular file"})) << name;
+}
+
+TEST(PartLibrary, StaysInItsFolder) {
+  const TempDir outside, folder;
+  outside.write("secret.yaml", "password: swordfish\n");
+  fs::copy(kBracket, outside.path("far.dxf"));
+  fs::create_symlink(outside.path("secret.yaml"), folder.path("secret.yaml"));
+  fs::create_symlink(outside.path("far.dxf"), folder.path("far.dxf"));
+  folder.write(
+      "escaped.yaml",
+      "drawing: " + fs::relative(outside.path("far.dxf"), folder.path("")).string() + "\n");
+  fs::copy(kBracket, folder.path("good.dxf"));
+  fs::create_symlink(folder.path("good.dxf"), folder.path("alias.dxf"));
+  const PartLibrary library(folder.path(""));
+  EXPECT_EQ(names(library.select("")), (std::vector<std::string>{"alias", "good"}));
+  EXPECT_TRUE(refuses([&] { library.select("far"); }, {"link out of the parts folder"}));
+  EXPECT_TRUE(refuses([&] { library.select("escaped"); }, {"outside of the parts folder"}));
+  EXPECT_TRUE(refuses([&] { library.select("secret"); }, {"secret.yaml"}));
+  EXPECT_EQ(library.errors().at("secret").find("swordfish"), std::string::npos);
+}
+
+// Results and other files that lie about are no parts, and it is said why.
+TEST(PartLibrary, TellsWhatIsNoPartsFile) {
+  const TempDir folder;
+  fs::copy(kBracket, folder.path("good.dxf"));
+  folder.write("result.yaml", "seconds: 0.4\ndetections: []\n");
+  folder.write("list.yaml", "- 1\n- 2\n");
+  folder.write("empty.yaml", "");
+  const PartLibrary library(folder.path(""));
+  EXPECT_EQ(names(library.select("")), std::vector<std::string>{"good"});
+  for (const char* name : {"result", "list", "empty"})
+    EXPECT_TRUE(refuses([&] { library.select(name); }, {std::string(name) + ".yaml"})) << name;
 }
 
 TEST(PartLibrary, RefusesFolderWithoutParts) {
