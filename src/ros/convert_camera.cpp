@@ -6,12 +6,15 @@
 #include <cv_bridge/cv_bridge.h>
 #include <planar_bin_picking/LocatePart.h>
 #include <sensor_msgs/image_encodings.h>
+#include <boost/make_shared.hpp>
 
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace planar_bin_picking_ros {
 
@@ -65,6 +68,21 @@ void checkImage(const sensor_msgs::Image& image) {
   }
 }
 
+/// cv_bridge mixes bytes up when the other order comes in.
+bool isSwapped(const sensor_msgs::Image& image) {
+  const std::uint16_t one = 1;
+  const bool host_is_big = *reinterpret_cast<const std::uint8_t*>(&one) == 0;
+  return depth(image.encoding) == 16 && (image.is_bigendian != 0) != host_is_big;
+}
+
+sensor_msgs::ImageConstPtr inHostOrder(const sensor_msgs::Image& image) {
+  const auto swapped = boost::make_shared<sensor_msgs::Image>(image);
+  swapped->is_bigendian = image.is_bigendian == 0;
+  for (std::size_t i = 0; i + 1 < swapped->data.size(); i += 2)
+    std::swap(swapped->data[i], swapped->data[i + 1]);
+  return swapped;
+}
+
 /// One axis of the pinhole, from the full sensor to the image that was read out.
 struct Axis {
   double focal, center;
@@ -79,6 +97,7 @@ Axis readOut(const Axis& sensor, const std::uint32_t offset, const std::uint32_t
 
 cv::Mat toGrey(const sensor_msgs::ImageConstPtr& image) {
   checkImage(*image);
+  if (isSwapped(*image)) return toGrey(inHostOrder(*image)).clone();
   try {
     if (isPlain(image->encoding)) return cv_bridge::toCvShare(image)->image;
     if (image->encoding == enc::TYPE_8UC3 || image->encoding == enc::TYPE_8UC4) {
@@ -109,18 +128,19 @@ Camera toCamera(const sensor_msgs::CameraInfo& info, const sensor_msgs::Image& i
                size(image.width, image.height) +
                "; calibrate at this resolution, or let the driver fill in roi and binning");
   }
-  const Axis x = readOut({info.K[0], info.K[2]}, has_roi ? info.roi.x_offset : 0, bin_x);
-  const Axis y = readOut({info.K[4], info.K[5]}, has_roi ? info.roi.y_offset : 0, bin_y);
-  Camera::Model model;
-  model.width = static_cast<int>(width);
-  model.height = static_cast<int>(height);
-  model.fx = x.focal;
-  model.fy = y.focal;
-  model.cx = x.center;
-  model.cy = y.center;
-  model.distortion_model = info.distortion_model;
-  model.distortion = info.D;
   try {
+    std::array<double, 9> K;
+    std::copy(info.K.begin(), info.K.end(), K.begin());
+    Camera::Model model =
+        planar_bin_picking::pinholeModel(static_cast<int>(width), static_cast<int>(height), K);
+    const Axis x = readOut({model.fx, model.cx}, has_roi ? info.roi.x_offset : 0, bin_x);
+    const Axis y = readOut({model.fy, model.cy}, has_roi ? info.roi.y_offset : 0, bin_y);
+    model.fx = x.focal;
+    model.fy = y.focal;
+    model.cx = x.center;
+    model.cy = y.center;
+    model.distortion_model = info.distortion_model;
+    model.distortion = info.D;
     return Camera(model);
   } catch (const std::invalid_argument& error) {
     refuseInfo(std::string(error.what()) + "; calibrate the camera anew");

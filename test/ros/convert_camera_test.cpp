@@ -81,11 +81,20 @@ TEST(ToGrey, PaddedRows) {
   EXPECT_EQ(toGrey(image).at<std::uint8_t>(kHeight - 1, kWidth - 1), 7);
 }
 
+// cv_bridge makes two channels of 8 bits of it.
 TEST(ToGrey, BigEndian) {
-  const auto image = makeImage("mono16", 0);
-  image->is_bigendian = true;
-  for (std::size_t i = 1; i < image->data.size(); i += 2) image->data[i] = 5;  // low byte last
-  EXPECT_EQ(toGrey(image).at<std::uint16_t>(0, 0), 5);
+  for (const char* encoding : {"mono16", "16UC1", "bayer_rggb16", "rgb16"}) {
+    const auto image = makeImage(encoding, 0);
+    image->is_bigendian = true;
+    for (std::size_t i = 0; i < image->data.size(); i += 2) {
+      image->data[i] = 3;  // the high byte comes first
+      image->data[i + 1] = 5;
+    }
+    const cv::Mat grey = toGrey(image);
+    ASSERT_EQ(grey.type(), CV_16UC1) << encoding;
+    ASSERT_EQ(grey.size(), cv::Size(kWidth, kHeight));
+    EXPECT_NEAR(grey.at<std::uint16_t>(kHeight - 1, kWidth - 1), 3 * 256 + 5, 1) << encoding;
+  }
 }
 
 TEST(ToGrey, Refuses) {
@@ -151,6 +160,8 @@ TEST(ToCamera, Refuses) {
   EXPECT_TRUE(refused("pixels", [](Info& i) { i.width = 9; }));
   EXPECT_TRUE(refused("pixels", [](Info& i) { i.binning_x = 2; }));
   EXPECT_TRUE(refused("equidistant", [](Info& i) { i.distortion_model = "equidistant"; }));
+  EXPECT_TRUE(refused("skew", [](Info& i) { i.K[1] = 500.0; }));
+  EXPECT_TRUE(refused("pinhole", [](Info& i) { i.K[8] = 2.0; }));
   EXPECT_TRUE(refused("", [](Info& i) { i.K[0] = std::nan(""); }));
   EXPECT_TRUE(refused("", [](Info& i) { i.D[0] = std::nan(""); }));
 }
