@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bin_range.h"
 
+#include "planar_bin_picking/locator.h"
 #include "refusal.h"
 
 #include <planar_bin_picking/LocatePart.h>
@@ -9,6 +10,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace planar_bin_picking_ros {
 
@@ -29,6 +32,13 @@ DistanceRange distanceRange(const CellParams& cell, const Eigen::Isometry3d& T_c
                   "camera; check ~cell/bin_frame, bin_min, bin_max and the camera's calibration",
                   range.min, range.max);
     throw Refusal(planar_bin_picking::LocatePart::Response::BAD_BIN, message);
+  }
+  try {
+    planar_bin_picking::checkDistances(range.min, range.max);
+  } catch (const std::invalid_argument& error) {
+    throw Refusal(planar_bin_picking::LocatePart::Response::BAD_BIN,
+                  std::string("along the optical axis the bin's box makes ") + error.what() +
+                      "; check ~cell/bin_frame, bin_min, bin_max and where the camera stands");
   }
   return range;
 }

@@ -15,7 +15,8 @@ struct DistanceRange {
 };
 
 /// @param T_camera_bin  at the image's stamp
-/// @throws Refusal  BAD_BIN: a corner lies beside or behind the camera
+/// @throws Refusal  BAD_BIN: a corner lies beside or behind the camera, or the box reaches nearer,
+///         farther or over a larger ratio of distances than parts can be looked for in
 DistanceRange distanceRange(const CellParams& cell, const Eigen::Isometry3d& T_camera_bin);
 
 }  // namespace planar_bin_picking_ros

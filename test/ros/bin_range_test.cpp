@@ -41,5 +41,15 @@ TEST(BinRange, RefusesBinBehindCamera) {
                                           {"behind", "bin_frame"}));
 }
 
+TEST(BinRange, RefusesDistancesThatCannotBeSearched) {
+  using planar_bin_picking::refuses;
+  CellParams deep = cell();
+  deep.bin_max[2] = 0.95;  // from 5 cm to 1 m below the camera
+  EXPECT_TRUE(refuses([&] { distanceRange(deep, lookingDown(1.0, 0.0)); }, {"bin", "min"}));
+  deep.bin_max[2] = 1.0 - 1e-9;
+  EXPECT_TRUE(refuses([&] { distanceRange(deep, lookingDown(1.0, 0.0)); }, {"bin", "min"}));
+  EXPECT_TRUE(refuses([] { distanceRange(cell(), lookingDown(500.0, 0.0)); }, {"bin", "max"}));
+}
+
 }  // namespace
 }  // namespace planar_bin_picking_ros
