@@ -8,7 +8,7 @@ void ImageInbox::push(const sensor_msgs::ImageConstPtr& image,
                       const sensor_msgs::CameraInfoConstPtr& info) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    newest_ = Frame{image, info, std::chrono::steady_clock::now()};
+    newest_ = Frame{image, info, std::chrono::steady_clock::now(), ros::Time::now()};
     ++count_;
   }
   arrived_.notify_all();
@@ -17,7 +17,7 @@ void ImageInbox::push(const sensor_msgs::ImageConstPtr& image,
 std::optional<Frame> ImageInbox::wait(const FrameWish& wish, const SteadyTime deadline) {
   const auto fits = [&] {
     return newest_ && newest_->image->header.stamp >= wish.not_before &&
-           newest_->received > wish.received_after;
+           newest_->received > wish.received_after && newest_->clock >= wish.clock_from;
   };
   std::unique_lock<std::mutex> lock(mutex_);
   arrived_.wait_until(lock, deadline, [&] { return closed_ || fits(); });
@@ -33,6 +33,11 @@ std::size_t ImageInbox::count() const {
 std::optional<Frame> ImageInbox::newest() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return newest_;
+}
+
+void ImageInbox::forget() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  newest_.reset();
 }
 
 bool ImageInbox::closed() const {

@@ -22,14 +22,17 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 struct Frame {
   sensor_msgs::ImageConstPtr image;
   sensor_msgs::CameraInfoConstPtr info;
-  SteadyTime received;  ///< when it came in
+  SteadyTime received;   ///< when it came in
+  ros::Time clock = {};  ///< what ROS time it was then
 };
 
-/// The image that a call accepts. Both limits hold: a stamp alone could lie (a bag that starts
-/// over), the moment of reception alone could accept an image that was long under way.
+/// The image that a call accepts. All limits hold: a stamp alone could lie (a bag that starts over,
+/// a camera whose clock is ahead), the moment of reception alone could accept an image that was
+/// long under way.
 struct FrameWish {
   ros::Time not_before;       ///< oldest stamp
   SteadyTime received_after;  ///< default: whenever it came
+  ros::Time clock_from = {};  ///< ROS time of its reception, at least
 };
 
 class ImageInbox {
@@ -43,6 +46,7 @@ class ImageInbox {
 
   std::size_t count() const;  ///< images so far
   std::optional<Frame> newest() const;
+  void forget();  ///< the newest image: no call gets it any more
 
   /// Ends all waiting, now and later.
   void close();

@@ -6,13 +6,17 @@
 /// Always subscribed, since a robot may ask for an image that has already come; an image that
 /// nobody waits for costs a pointer.
 
+#include "clock_watch.h"
 #include "image_inbox.h"
 
-#include <image_transport/camera_subscriber.h>
 #include <image_transport/image_transport.h>
+#include <image_transport/subscriber_filter.h>
+#include <message_filters/subscriber.h>
+#include <message_filters/time_synchronizer.h>
 #include <ros/duration.h>
 #include <ros/node_handle.h>
 
+#include <optional>
 #include <string>
 
 namespace planar_bin_picking_ros {
@@ -23,21 +27,39 @@ class ImageSource {
   /// @param pnh  where `~image_transport` may say how images come, such as `compressed`
   ImageSource(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
 
-  /// @param not_before  oldest stamp; zero = taken and received from now on
-  /// @param timeout     wall time
+  /// @param not_before      oldest stamp; zero = taken and received from now on
+  /// @param timeout         wall time
+  /// @param received_after  when the image was asked for; nothing: it comes of itself
   /// @throws Refusal  NO_IMAGE, or BAD_IMAGE where the camera's clock is ahead
-  Frame await(const ros::Time& not_before, const ros::Duration& timeout);
+  Frame await(const ros::Time& not_before, const ros::Duration& timeout,
+              const std::optional<SteadyTime>& received_after = std::nullopt);
 
-  std::string topic() const { return camera_.getTopic(); }
+  std::string topic() const { return images_.getTopic(); }
   void close() { inbox_.close(); }  ///< ends all waiting
   void open() { inbox_.open(); }    ///< after close(): later calls wait again
 
  private:
-  std::string whyNone(const ros::Time& not_before) const;
+  /// What came on one topic, to tell what is missing when no pair comes.
+  struct Arrivals {
+    std::size_t count = 0;
+    ros::Time stamp;      ///< of the newest
+    SteadyTime received;  ///< when that came
+  };
+
+  void note(const ros::Time& stamp, Arrivals* arrivals);
+  void forgetIfClockWentBack();
+  /// @param called  when the call began
+  std::string whyNone(const FrameWish& wish, SteadyTime called) const;
+  std::string whyNoPair(SteadyTime called) const;
 
   ImageInbox inbox_;
-  image_transport::ImageTransport images_;
-  image_transport::CameraSubscriber camera_;
+  ClockWatch clock_;
+  mutable std::mutex arrivals_mutex_;
+  Arrivals image_arrivals_, info_arrivals_;
+  image_transport::ImageTransport transport_;
+  image_transport::SubscriberFilter images_;
+  message_filters::Subscriber<sensor_msgs::CameraInfo> infos_;
+  message_filters::TimeSynchronizer<sensor_msgs::Image, sensor_msgs::CameraInfo> pairs_;
 };
 
 }  // namespace planar_bin_picking_ros

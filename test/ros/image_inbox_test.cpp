@@ -21,7 +21,17 @@ void push(ImageInbox& inbox, const double stamp) {
   inbox.push(image, boost::make_shared<sensor_msgs::CameraInfo>());
 }
 
-FrameWish from(const double stamp) { return {ros::Time(stamp), SteadyTime{}}; }
+FrameWish from(const double stamp) { return {ros::Time(stamp), SteadyTime{}, {}}; }
+
+/// ROS time as the inbox reads it; these tests have no /clock.
+class ImageInboxTime : public testing::Environment {
+ public:
+  void SetUp() override {
+    ros::Time::init();
+    ros::Time::setNow(ros::Time(10.0));
+  }
+};
+const auto* const kTime = testing::AddGlobalTestEnvironment(new ImageInboxTime);
 
 TEST(ImageInbox, GivesStoredImageThatIsNewEnough) {
   ImageInbox inbox;
@@ -41,7 +51,29 @@ TEST(ImageInbox, NeverGivesAnOlderImage) {
 TEST(ImageInbox, NeverGivesAnImageThatCameBefore) {
   ImageInbox inbox;
   push(inbox, 10.0);
-  EXPECT_FALSE(inbox.wait({ros::Time(3.0), steady_clock::now()}, steady_clock::now()));
+  EXPECT_FALSE(inbox.wait({ros::Time(3.0), steady_clock::now(), {}}, steady_clock::now()));
+}
+
+// A camera whose clock is ahead: the stamp is later than the robot's stop, the image is not.
+TEST(ImageInbox, NeverGivesAnImageThatCameBeforeByTheClock) {
+  ImageInbox inbox;
+  ros::Time::setNow(ros::Time(10.0));
+  push(inbox, 10.09);
+  EXPECT_FALSE(inbox.wait({ros::Time(10.05), {}, ros::Time(10.05)}, steady_clock::now()));
+  const auto frame = inbox.wait({ros::Time(10.0), {}, ros::Time(10.0)}, steady_clock::now());
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->clock, ros::Time(10.0));
+}
+
+TEST(ImageInbox, ForgetsItsImage) {
+  ImageInbox inbox;
+  push(inbox, 10.0);
+  ASSERT_TRUE(inbox.newest());
+  inbox.forget();
+  EXPECT_FALSE(inbox.newest());
+  EXPECT_FALSE(inbox.wait(from(0.0), steady_clock::now()));
+  push(inbox, 3.0);
+  EXPECT_TRUE(inbox.wait(from(0.0), steady_clock::now()));
 }
 
 TEST(ImageInbox, WakesEveryWaiter) {
