@@ -21,6 +21,7 @@
 #include <image_transport/image_transport.h>
 #include <planar_bin_picking/LocatedParts.h>
 #include <planar_bin_picking/MoveRobot.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <sensor_msgs/image_encodings.h>
 #include <std_srvs/SetBool.h>
@@ -33,6 +34,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <sstream>
 
 namespace planar_bin_picking::cell {
@@ -129,8 +131,11 @@ class CellNode {
                  nh_.advertiseService("move_robot", &CellNode::move, this),
                  nh_.advertiseService("gripper/suction", &CellNode::suction, this),
                  nh_.advertiseService("cell/refill", &CellNode::refill, this)};
-    timer_ = nh_.createWallTimer(ros::WallDuration(0.02),
-                                 [this](const ros::WallTimerEvent&) { sendTf(); });
+    // In a thread of its own: a robot does not fall silent while the camera takes its picture.
+    tf_nh_.setCallbackQueue(&tf_queue_);
+    timer_ = tf_nh_.createWallTimer(ros::WallDuration(0.02),
+                                    [this](const ros::WallTimerEvent&) { sendTf(); });
+    tf_spinner_.start();
     publishTruth(ros::Time::now());
     ROS_INFO("simulated cell: %zu parts, exposure %d us", cell_.heap().bodies().size(),
              exposure_us_);
@@ -148,7 +153,10 @@ class CellNode {
            Eigen::Isometry3d(Eigen::AngleAxisd(0.03, Eigen::Vector3d(1.0, 0.5, 0.3).normalized()));
   }
 
-  void sendTf() { tf_.sendTransform(stamped("base", "flange", T_base_flange_)); }
+  void sendTf() {
+    const std::lock_guard<std::mutex> lock(flange_mutex_);
+    tf_.sendTransform(stamped("base", "flange", T_base_flange_));
+  }
 
   bool trigger(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     sendTf();
@@ -203,7 +211,10 @@ class CellNode {
     response.success = response.reachable;
     if (!is_base) response.message = "the target's frame must be base";
     if (is_base && !response.reachable) response.message = "out of reach";
-    if (response.success) T_base_flange_ = T_base_target;
+    if (response.success) {
+      const std::lock_guard<std::mutex> lock(flange_mutex_);
+      T_base_flange_ = T_base_target;
+    }
     sendTf();
     response.reached = request.target;
     response.reached.header.stamp = ros::Time::now();
@@ -258,6 +269,7 @@ class CellNode {
   int exposure_us_;
   std::uint64_t seed_;
   SimulatedCell cell_;
+  std::mutex flange_mutex_;  ///< the thread that sends tf reads where the flange is
   Eigen::Isometry3d T_base_flange_, T_flange_camera_, T_flange_tool_;
   image_transport::ImageTransport images_;
   image_transport::CameraPublisher camera_;
@@ -265,7 +277,10 @@ class CellNode {
   tf2_ros::TransformBroadcaster tf_;
   tf2_ros::StaticTransformBroadcaster static_tf_;
   std::vector<ros::ServiceServer> services_;
+  ros::CallbackQueue tf_queue_;
+  ros::NodeHandle tf_nh_;
   ros::WallTimer timer_;
+  ros::AsyncSpinner tf_spinner_{1, &tf_queue_};
 };
 
 }  // namespace
