@@ -43,12 +43,18 @@ def main():
     request = LocatePartRequest(part=rospy.get_param("~part", ""), face=LocatePartRequest.ANY)
     response = locate_part(request)
 
-    if response.status != LocatePartResponse.OK:
+    for refused in response.refused:  # found, and not to be picked
+        print(f"not offered: {refused.located.part}, {refused.text}", file=sys.stderr)
+    if response.status != LocatePartResponse.OK:  # whatever it is: the message says what may help
         print(f"no part: {response.message}", file=sys.stderr)
         return 1
     print(f"{response.message}, poses in frame '{response.parts[0].header.frame_id}'")
     print_table(response)
-    # Here the robot would go to response.parts[0], whose frame also stands on tf.
+    # Here the robot would go to the first pick pose of the first part, and say with report_pick what came
+    # of it. A part whose file names no pick poses has none: then the program must know where to pick.
+    first = response.parts[0]
+    if first.picks:
+        print(f"first pick: {first.child_frame}/{first.picks[0].name}")
     return 0
 
 

@@ -78,7 +78,7 @@ class Recorder:
             return
         answer = next((a for a in cycle.answers if a.parts), cycle.answers[0])
         report = dict(
-            message=answer.message, attempts=[[a.part.child_frame, a.pick.name, a.outcome.message] for a in cycle.attempts],
+            message=answer.message, attempts=[[a.part.child_frame, a.pick.name if a.pick else "", a.outcome.message] for a in cycle.attempts],
             T_base_camera=self.robot.lookup("base", "camera").tolist(),
             offered=[dict(frame=p.child_frame, score=p.score, visible=p.visible_fraction, face=p.face,
                           **plain(p.pose.pose)) for p in answer.parts],

@@ -21,6 +21,10 @@ from visualization_msgs.msg import Marker
 WAIT = 60.0  # s, for the nodes to come up
 ABOVE = 0.15  # m, over the part before and after the pick, along the tool's stroke
 IMAGES = 3  # in a row without a part that could be picked: then the bin needs somebody
+# With any other status the cell is not set up as it should be, and somebody has to mend it first.
+MAY_HELP_TO_ASK_AGAIN = (LocatePartResponse.OK, LocatePartResponse.NO_PART_FOUND,
+                         LocatePartResponse.DEADLOCK, LocatePartResponse.NO_IMAGE,
+                         LocatePartResponse.BAD_IMAGE, LocatePartResponse.NO_TRANSFORM)
 
 
 def matrix(pose):
@@ -119,6 +123,8 @@ class Attempt:
 
     def __init__(self, robot, part):
         self.part = copy.deepcopy(part)
+        self.pick = None
+        self.outcome = Outcome(False, f"the file of {part.part} names no pick poses", False)
         for pick in part.picks:  # those that the bin's wall does not bar, in order of preference
             self.pick = pick
             self.outcome = robot.pick(matrix(pick.pose))
@@ -146,8 +152,7 @@ def run_cycle(robot, locator):
     while cycle.picked() is None and len(cycle.answers) < IMAGES:
         answer = locator.locate()
         cycle.answers.append(answer)
-        if answer.status not in (LocatePartResponse.OK, LocatePartResponse.DEADLOCK,
-                                 LocatePartResponse.NO_PART_FOUND):
+        if answer.status not in MAY_HELP_TO_ASK_AGAIN:
             raise RuntimeError("locator: " + answer.message)
         part = answer.parts[0] if answer.parts else None
         while part is not None:
@@ -201,3 +206,5 @@ if __name__ == "__main__":
         sys.exit(main())
     except rospy.ROSInterruptException:
         pass
+    except RuntimeError as error:  # of the robot or of the locator; its message says what to do
+        sys.exit(str(error))
