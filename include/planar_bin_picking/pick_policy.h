@@ -8,11 +8,9 @@
 /// changed, or the robot would try the same in vain for ever: a small picture of its surroundings
 /// is kept with each failure and held against the new image. Frame `target` is that of the answers.
 
-#include "planar_bin_picking/camera.h"
 #include "planar_bin_picking/part_file.h"
+#include "planar_bin_picking/surroundings.h"
 #include "planar_bin_picking/types.h"
-
-#include <opencv2/core/mat.hpp>
 
 #include <optional>
 #include <string>
@@ -48,14 +46,18 @@ struct PickParams {
 };
 
 enum class PickRefusal {
-  kLowScore,      ///< score below score_min
-  kOccluded,      ///< visible share below visible_min, or no pick pose that nothing covers
-  kTilt,          ///< steeper than tilt_max_deg
-  kWall,          ///< at each of its pick poses the tool would touch the bin's wall
-  kFailedBefore,  ///< failures_max picks failed, and nothing has changed about it since
+  kLowScore,        ///< score below score_min
+  kOccluded,        ///< visible share below visible_min, or no pick pose that nothing covers
+  kTilt,            ///< steeper than tilt_max_deg
+  kWall,            ///< at each of its pick poses the tool would touch the bin's wall
+  kFailedBefore,    ///< failures_max picks failed, and nothing has changed about it since
+  kOutside,         ///< outside of the asked distances or of the bin's box
+  kNoPickPose,      ///< its file has pick poses, none of them for the face that is up
+  kWrongFace,       ///< the other face is up than was asked for
+  kBeyondMaxParts,  ///< would be offered, but for the number that was asked for
 };
 
-/// The bin's inner space: a box that is open above.
+/// The bin's inner space as a box; tools come and go through its top.
 struct PickBin {
   Eigen::Isometry3d T_bin_target = Eigen::Isometry3d::Identity();
   Eigen::Vector3d min = Eigen::Vector3d::Zero(), max = Eigen::Vector3d::Zero();  ///< bin frame
@@ -72,13 +74,20 @@ struct PickFace {
 struct PickCandidate {
   std::string part;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< of the visible face, target frame
+  /// Of `center`, m^2, target frame: how far out of the bin's box it may seem to lie by chance.
+  Eigen::Matrix3d center_covariance = Eigen::Matrix3d::Zero();
+  /// Why it is not to be offered whatever the policy says: found, and not what was asked for.
+  std::optional<PickRefusal> withheld;
+  std::string withheld_text;  ///< the numbers behind it
   double score = 0.0, visible_fraction = 0.0;
   double tilt_deg = 0.0;
   /// Origin = contact, z = stroke of the tool, into the part. May be empty: nothing to check.
   std::vector<Eigen::Isometry3d> T_target_pick;
+  /// Where its file has pick poses and none fits the face that is up: which there are; else "".
+  std::string other_picks;
   PickFace face;
-  PickTool tool;         ///< in place of the parameters', where it says something
-  cv::Mat surroundings;  ///< see cutSurroundings; may be empty
+  PickTool tool;  ///< in place of the parameters', where it says something
+  Surroundings surroundings;
 };
 
 struct Refused {
@@ -96,8 +105,13 @@ struct PickPlan {
   };
   /// As given, but what failed before comes last.
   std::vector<Offer> offers;
-  std::vector<Refused> refused;  ///< as given
+  std::vector<Refused> refused;  ///< as given; those beyond the number asked for at the end
 };
+
+/// How far out of the bin's box a face's centre may seem to lie along one of its axes: where the
+/// box stands is known to so much, and on top of it the position to three sigmas, within limits.
+/// @param sigma  of the centre along that axis, metres
+double boxMargin(double sigma);
 
 /// Remembers failures. Not thread-safe.
 class PickPolicy {
@@ -105,10 +119,14 @@ class PickPolicy {
   /// @throws std::invalid_argument  a field out of its range: key, value, allowed
   explicit PickPolicy(const PickParams& params);
 
+  /// The first rule that a candidate breaks is its reason: withheld, outside of the bin, no pick
+  /// pose, then the parameters, and last the number of parts.
   /// @param candidates  best first
-  /// @param bin         nothing: walls are not looked at
+  /// @param bin         nothing: neither the box nor its walls are looked at
+  /// @param max_parts   offered at most; 0 = all
   /// Failures whose scene has changed are forgotten.
-  PickPlan plan(const std::vector<PickCandidate>& candidates, const std::optional<PickBin>& bin);
+  PickPlan plan(const std::vector<PickCandidate>& candidates, const std::optional<PickBin>& bin,
+                std::size_t max_parts = 0);
 
   void fail(const PickCandidate& candidate);
   /// A part has gone: what failed below or beside it shows it by its changed surroundings.
@@ -120,7 +138,7 @@ class PickPolicy {
   struct Failure {
     std::string part;
     Eigen::Vector3d center;
-    cv::Mat surroundings;
+    Surroundings surroundings;
     int count;
   };
   Failure* find(const PickCandidate& candidate);
@@ -131,7 +149,7 @@ class PickPolicy {
   std::optional<Refused> dropBarred(const PickCandidate& candidate,
                                     const std::optional<PickBin>& bin,
                                     PickPlan::Offer* offer) const;
-  std::optional<Refused> refusal(const PickCandidate& candidate,
+  std::optional<Refused> refusal(const PickCandidate& candidate, const std::optional<PickBin>& bin,
                                  const PickPlan::Offer& offer) const;
   /// The part's own, and what it does not say from the parameters.
   PickTool toolOf(const PickCandidate& candidate) const;
@@ -140,14 +158,8 @@ class PickPolicy {
   std::vector<Failure> failures_;
 };
 
-/// A small picture of a part and what lies about it: CV_32F, its mean taken away, so that the
-/// lamp's brightness does not count. Empty where the part is not wholly in the image.
-/// @param center, radius  of the part's outline, part frame, metres
-cv::Mat cutSurroundings(const cv::Mat& grey, const Camera& camera,
-                        const Eigen::Isometry3d& T_camera_part, const Eigen::Vector3d& center,
-                        double radius);
-
-/// What to do when parts were found and none can be offered, from the most frequent reason.
+/// What to do when parts were found and none can be offered: each reason's, the most frequent
+/// first.
 std::string deadlockHint(const std::vector<Refused>& refused);
 
 }  // namespace planar_bin_picking

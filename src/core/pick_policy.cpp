@@ -2,20 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/pick_policy.h"
 
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace planar_bin_picking {
 namespace {
-
-constexpr int kPatch = 24;  // pixels across the kept surroundings
 
 template <class... Values>
 std::string format(const char* pattern, Values... values) {
@@ -24,11 +20,20 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
-/// Mean absolute difference, grey levels; 0 where there is nothing to compare: nothing tells of a
-/// change then.
-double difference(const cv::Mat& a, const cv::Mat& b) {
-  if (a.empty() || b.empty()) return 0.0;
-  return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total());
+/// Why it does not lie in the bin, if so.
+std::optional<std::string> outsideOf(const PickBin& bin, const PickCandidate& candidate) {
+  const Eigen::Matrix3d R_bin_target = bin.T_bin_target.linear();
+  const Eigen::Vector3d center = bin.T_bin_target * candidate.center;
+  const Eigen::Matrix3d covariance =
+      R_bin_target * candidate.center_covariance * R_bin_target.transpose();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double margin = boxMargin(std::sqrt(std::max(0.0, covariance(axis, axis))));
+    const double over = std::max(bin.min[axis] - center[axis], center[axis] - bin.max[axis]);
+    if (over <= margin) continue;
+    return format("its face's centre lies %.3f m outside of the bin's box along %c, margin %.3f m",
+                  over, "xyz"[axis], margin);
+  }
+  return std::nullopt;
 }
 
 /// Whether a tool of that radius and height touches no wall on its way out of the bin.
@@ -59,7 +64,44 @@ bool isCovered(const PickFace& face, const Eigen::Isometry3d& T_target_pick, dou
   });
 }
 
+/// What the matter is with such parts, and what helps.
+const char* remedyFor(PickRefusal reason) {
+  switch (reason) {
+    case PickRefusal::kLowScore:
+      return "have too low a score: check light and focus, or lower pick/score_min";
+    case PickRefusal::kOccluded:
+      return "are covered: stir or shake the bin, lower pick/visible_min, or use a thinner tool";
+    case PickRefusal::kTilt:
+      return "lie too steep: stir or shake the bin, or raise pick/tilt_max_deg";
+    case PickRefusal::kWall:
+      return "lie at the wall: shake the bin, give the part a pick pose farther inside, or use a "
+             "thinner tool";
+    case PickRefusal::kFailedBefore:
+      return "could not be picked before: look at the gripper and at the pick poses, or stir the "
+             "bin";
+    case PickRefusal::kOutside:
+      return "lie outside of the cell's distances or of its bin: put them back into the bin, or "
+             "correct the numbers in the cell's file";
+    case PickRefusal::kNoPickPose:
+      return "show a face for which their file has no pick pose: give it one, or have them turned "
+             "over";
+    case PickRefusal::kWrongFace:
+      return "lie with the other face up than asked for: ask for the face ANY, or have them turned "
+             "over";
+    case PickRefusal::kBeyondMaxParts:
+      return "are more than max_parts asks for";
+  }
+  return "";
+}
+
 }  // namespace
+
+double boxMargin(double sigma) {
+  constexpr double kBoxIsKnownTo = 0.005;  // m; what measuring a bin in with a robot comes to
+  constexpr double kSigmas = 3.0;
+  constexpr double kMostOfPosition = 0.015;  // m; a vague pose must not reach into the next bin
+  return kBoxIsKnownTo + std::min(kSigmas * sigma, kMostOfPosition);
+}
 
 PickPolicy::PickPolicy(const PickParams& params) : params_(params) {
   PickParams::fields(params_, [](const char* key, auto value, auto min, auto max) {
@@ -117,10 +159,19 @@ std::optional<Refused> PickPolicy::dropBarred(const PickCandidate& candidate,
 }
 
 std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
+                                           const std::optional<PickBin>& bin,
                                            const PickPlan::Offer& offer) const {
   const auto refuse = [&](PickRefusal reason, const std::string& text) {
     return Refused{offer.candidate, reason, text};
   };
+  if (candidate.withheld) return refuse(*candidate.withheld, candidate.withheld_text);
+  const auto outside = bin ? outsideOf(*bin, candidate) : std::nullopt;
+  if (outside) return refuse(PickRefusal::kOutside, *outside);
+  if (!candidate.other_picks.empty()) {
+    return refuse(
+        PickRefusal::kNoPickPose,
+        "none of its file's pick poses is for the face that is up: " + candidate.other_picks);
+  }
   if (candidate.score < params_.score_min) {
     return refuse(PickRefusal::kLowScore,
                   format("score %.2f, at least %.2f", candidate.score, params_.score_min));
@@ -141,12 +192,12 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
 }
 
 PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
-                          const std::optional<PickBin>& bin) {
+                          const std::optional<PickBin>& bin, std::size_t max_parts) {
   PickPlan plan;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     PickPlan::Offer offer{i, {}, recall(candidates[i])};
     const auto barred = dropBarred(candidates[i], bin, &offer);
-    auto refused = refusal(candidates[i], offer);
+    auto refused = refusal(candidates[i], bin, offer);
     if (!refused) refused = barred;
     if (refused) {
       plan.refused.push_back(*refused);
@@ -156,6 +207,12 @@ PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
   }
   std::stable_sort(plan.offers.begin(), plan.offers.end(),
                    [](const auto& a, const auto& b) { return a.failures < b.failures; });
+  if (max_parts == 0) return plan;
+  for (std::size_t rank = max_parts; rank < plan.offers.size(); ++rank) {
+    plan.refused.push_back({plan.offers[rank].candidate, PickRefusal::kBeyondMaxParts,
+                            format("its rank is %zu, max_parts is %zu", rank + 1, max_parts)});
+  }
+  plan.offers.resize(std::min(plan.offers.size(), max_parts));
   return plan;
 }
 
@@ -173,51 +230,18 @@ void PickPolicy::succeed(const PickCandidate& candidate) {
     failures_.erase(failures_.begin() + (known - failures_.data()));
 }
 
-cv::Mat cutSurroundings(const cv::Mat& grey, const Camera& camera,
-                        const Eigen::Isometry3d& T_camera_part, const Eigen::Vector3d& center,
-                        double radius) {
-  const Eigen::Vector3d c = T_camera_part * center;
-  const double left = camera.project(c - Eigen::Vector3d(radius, 0.0, 0.0)).x();
-  const double right = camera.project(c + Eigen::Vector3d(radius, 0.0, 0.0)).x();
-  const Eigen::Vector2d p = camera.project(c);
-  const int half = static_cast<int>(std::ceil(0.5 * (right - left)));
-  const cv::Rect square(static_cast<int>(std::lround(p.x())) - half,
-                        static_cast<int>(std::lround(p.y())) - half, 2 * half + 1, 2 * half + 1);
-  const cv::Rect seen = square & cv::Rect(0, 0, grey.cols, grey.rows);
-  if (seen != square) return {};
-  cv::Mat patch;
-  cv::resize(grey(square), patch, {kPatch, kPatch}, 0, 0, cv::INTER_AREA);
-  patch.convertTo(patch, CV_32F, grey.depth() == CV_16U ? 1.0 / 256.0 : 1.0);
-  patch -= cv::mean(patch)[0];
-  return patch;
-}
-
 std::string deadlockHint(const std::vector<Refused>& refused) {
   std::map<PickRefusal, int> counts;
   for (const Refused& part : refused) ++counts[part.reason];
-  const auto most =
-      std::max_element(counts.begin(), counts.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (most == counts.end()) return "nothing was found";
-  const std::string parts = format("most (%d of %zu) ", most->second, refused.size());
-  switch (most->first) {
-    case PickRefusal::kLowScore:
-      return parts + "score too low: check light and focus, or lower pick/score_min";
-    case PickRefusal::kOccluded:
-      return parts +
-             "are covered: stir or shake the bin, lower pick/visible_min, or use a thinner tool";
-    case PickRefusal::kTilt:
-      return parts + "lie too steep: stir or shake the bin, or raise pick/tilt_max_deg";
-    case PickRefusal::kWall:
-      return parts +
-             "lie at the wall: shake the bin, give the part a pick pose farther inside, or "
-             "use a thinner tool";
-    case PickRefusal::kFailedBefore:
-      return parts +
-             "could not be picked before: look at the gripper and at the pick poses, or stir "
-             "the bin";
+  std::vector<std::pair<PickRefusal, int>> ordered(counts.begin(), counts.end());
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string text;
+  for (const auto& [reason, count] : ordered) {
+    text += (text.empty() ? "" : "; ") + format("%d of %zu ", count, refused.size()) +
+            remedyFor(reason);
   }
-  return "";
+  return text.empty() ? "nothing was found" : text;
 }
 
 }  // namespace planar_bin_picking

@@ -11,14 +11,13 @@
 #include "image_source.h"
 #include "planar_bin_picking/calibration_file.h"
 #include "robot_mover.h"
+#include "transforms.h"
 
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
 #include <std_srvs/Trigger.h>
-#include <tf2_ros/buffer.h>
 #include <tf2_ros/static_transform_broadcaster.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <memory>
 #include <mutex>
@@ -90,8 +89,8 @@ class CalibratorRos {
   const planar_bin_picking::Board board_;
   ros::CallbackQueue image_queue_, call_queue_;
   ros::NodeHandle image_nh_, call_pnh_;
-  tf2_ros::Buffer tf_buffer_;
-  tf2_ros::TransformListener tf_listener_;
+  TransformBuffer tf_buffer_;
+  TransformListener tf_listener_;
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   ImageSource source_;
   RobotMover robot_;

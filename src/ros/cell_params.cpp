@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cell_params.h"
 
+#include "planar_bin_picking/locator.h"
+
 #include <cmath>
 #include <stdexcept>
 
@@ -39,6 +41,12 @@ void validate(const CellParams& params) {
             "~cell/bin_min or ~cell/bin_max is set without ~cell/bin_frame");
     require(0.0 < params.distance_min && params.distance_min < params.distance_max,
             "~cell/distance_min must be greater than 0 and less than ~cell/distance_max");
+    try {
+      planar_bin_picking::checkDistances(params.distance_min, params.distance_max);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("~cell/distance_min and ~cell/distance_max: ") +
+                                  error.what());
+    }
   }
 }
 

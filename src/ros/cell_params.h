@@ -5,6 +5,8 @@
 /// What the integrator of a cell sets, below `~cell`; see config/cell.yaml. The defaults stand here
 /// and nowhere else. The parameters of the localization itself are the core's (params.h).
 
+#include "transforms.h"
+
 #include <string>
 #include <vector>
 
@@ -13,7 +15,8 @@ namespace planar_bin_picking_ros {
 struct CellParams {
   std::string parts_folder;  ///< *.yaml and *.dxf in it are the parts
   std::string target_frame;  ///< frame of the answers; "" = the camera's
-  std::string frame_prefix;  ///< in front of the parts' tf frames, where two cameras see one part
+  /// In front of the parts' tf frames; "" = defaultFramePrefix, what tells two locators apart.
+  std::string frame_prefix;
   /// The calibrator's camera_info.yaml, in place of what comes with the images; "" = the latter.
   std::string camera_info_file;
   /// Where parts may lie, along the optical axis, metres: from the top of a full bin to its floor.
@@ -31,6 +34,7 @@ struct CellParams {
   double trigger_timeout = 30.0;  ///< s, wall time, for trigger_service: a bracket takes its time
   double image_timeout = 5.0;     ///< s, wall time, for calls that name none
   double tf_timeout = 0.5;  ///< s, wall time: how much later than the image its tf may come in
+  double tf_gap_max = kTfGapMax;  ///< s, between the two samples of tf around the image
 
   bool hasBin() const { return !bin_frame.empty(); }
 
@@ -51,12 +55,12 @@ struct CellParams {
     visit("trigger_timeout", self.trigger_timeout, 0.01, 3600.0);
     visit("image_timeout", self.image_timeout, 0.0, 3600.0);
     visit("tf_timeout", self.tf_timeout, 0.0, 60.0);
+    visit("tf_gap_max", self.tf_gap_max, 0.001, 60.0);
   }
 };
 
 /// @throws std::invalid_argument  naming the keys: no folder, neither distances nor a bin or both
-/// of
-///         them, an empty range or box
+///         of them, an empty box, distances that the core's checkDistances refuses
 void validate(const CellParams& params);
 
 }  // namespace planar_bin_picking_ros

@@ -6,6 +6,7 @@
 #include "convert.h"
 #include "load_params.h"
 #include "names.h"
+#include "planar_bin_picking/part_summary.h"
 #include "plane_frame.h"
 #include "refusal.h"
 #include "timed_call.h"
@@ -22,11 +23,15 @@ namespace planar_bin_picking_ros {
 
 using planar_bin_picking::Camera;
 using planar_bin_picking::FaceFilter;
+using planar_bin_picking::LocatePart;
 using planar_bin_picking::LocateRequest;
 
 namespace {
 
-constexpr std::size_t kCalls = 4;  ///< served at once; further ones queue up
+/// Served at once; further ones queue up. Most of them wait for an image, which costs a thread.
+constexpr std::size_t kCalls = 32;
+constexpr double kLongestWait = 3600.0;  ///< s; a call that waits longer has been forgotten
+constexpr int kLeastPixels = 64;         ///< per side, as Locator::locate has it
 
 ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
   nh.setCallbackQueue(queue);
@@ -50,6 +55,50 @@ FaceFilter faceFilter(const std::uint8_t face) {
 std::optional<Camera> loadCameraFile(const std::string& path) {
   if (path.empty()) return std::nullopt;
   return planar_bin_picking::loadCamera(path);
+}
+
+/// @throws Refusal  BAD_REQUEST: a time that no image can meet
+void checkTimes(const LocatePart::Request& request) {
+  const auto refuse = [](const std::string& text) {
+    throw Refusal(LocatePart::Response::BAD_REQUEST, text);
+  };
+  if (request.timeout < ros::Duration(0))
+    refuse("timeout is negative; zero means the cell's image_timeout");
+  if (request.timeout.toSec() > kLongestWait)
+    refuse("timeout is " + std::to_string(request.timeout.toSec()) + " s; it may be an hour long");
+  const ros::Time now = ros::Time::now();
+  if (!now.isZero() && request.not_before.toSec() - now.toSec() > kLongestWait) {
+    refuse("not_before lies " + std::to_string(request.not_before.toSec() - now.toSec()) +
+           " s in the future; give the time at which the robot stood still, or zero for now");
+  }
+}
+
+void checkSize(const sensor_msgs::Image& image) {
+  if (image.width >= kLeastPixels && image.height >= kLeastPixels) return;
+  throw Refusal(LocatePart::Response::BAD_IMAGE,
+                "image: is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                    " pixels, must have " + std::to_string(kLeastPixels) +
+                    " each way; check the driver's region of interest");
+}
+
+/// Takes out parts that cannot be located in such a picture.
+/// @return  what is wrong with them; "" where nothing is
+/// @throws Refusal  BAD_PART_SIZE: none is left
+std::string dropUnsuitable(const Camera& camera, LocateRequest* request) {
+  std::string text;
+  std::vector<PartPtr> suitable;
+  for (const PartPtr& part : request->parts) {
+    try {
+      planar_bin_picking::checkPartSize(*part, camera, request->distance_min,
+                                        request->distance_max);
+      suitable.push_back(part);
+    } catch (const planar_bin_picking::PartSizeError& error) {
+      text += (text.empty() ? "" : "; ") + std::string(error.what());
+    }
+  }
+  if (suitable.empty()) throw Refusal(LocatePart::Response::BAD_PART_SIZE, text);
+  request->parts = suitable;
+  return text;
 }
 
 /// How many poses the plane ruled out.
@@ -108,23 +157,33 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       library_(cell_.parts_folder),
       image_nh_(onQueue(nh, &image_queue_)),
       call_pnh_(onQueue(pnh, &call_queue_)),
+      prompt_pnh_(onQueue(pnh, &prompt_queue_)),
+      tf_buffer_(cell_.tf_gap_max),
       tf_listener_(tf_buffer_),
       source_(image_nh_, pnh),
-      publisher_(call_pnh_, cell_.frame_prefix),
+      publisher_(call_pnh_, prompt_pnh_, cell_.frame_prefix),
       picks_(loadPickParams(readTree(pnh, kPickParams))),
       image_spinner_(1, &image_queue_),
-      call_spinner_(kCalls, &call_queue_) {
+      call_spinner_(kCalls, &call_queue_),
+      prompt_spinner_(1, &prompt_queue_) {
   checkOnePlane(cell_, locator_.params().plane);
   ROS_INFO_STREAM("locator:" << describe(locator_.params()));
   ROS_INFO_STREAM("cell:" << describe(cell_));
-  for (const auto& part : library_.parts()) ROS_INFO_STREAM("part '" << part.first << "' loaded");
+  for (const auto& [name, part] : library_.parts()) {
+    const auto summary = planar_bin_picking::describePart(*part);
+    ROS_INFO_STREAM("part '" << name << "': " << toLine(summary));
+    for (const auto& warning : summary.warnings)
+      ROS_WARN_STREAM("part '" << name << "': " << warning);
+  }
   for (const auto& [name, error] : library_.errors()) {
     ROS_ERROR_STREAM("part '" << name << "' is not available: " << error);
   }
   service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
-  report_service_ = call_pnh_.advertiseService(kReportPickService, &LocatorRos::serveReport, this);
+  report_service_ =
+      prompt_pnh_.advertiseService(kReportPickService, &LocatorRos::serveReport, this);
   image_spinner_.start();
   call_spinner_.start();
+  prompt_spinner_.start();
   ROS_INFO_STREAM("ready: images from " << source_.topic() << ", calls on "
                                         << service_.getService());
 }
@@ -134,12 +193,15 @@ LocatorRos::~LocatorRos() {
   service_.shutdown();
   report_service_.shutdown();
   call_spinner_.stop();
+  prompt_spinner_.stop();
   image_spinner_.stop();
 }
 
-bool LocatorRos::serve(Request& request, Response& response) {
+bool LocatorRos::serve(Event<LocatePart>& event) {
+  const Request& request = event.getRequest();
+  Response& response = event.getResponse();
   try {
-    answer(request, response);
+    answer(event.getCallerName(), request, response);
     ROS_INFO_STREAM("locate_part '" << request.part << "': " << response.message);
   } catch (const Refusal& refusal) {
     response.status = refusal.status();
@@ -153,10 +215,10 @@ bool LocatorRos::serve(Request& request, Response& response) {
   return true;  // the call itself worked, whatever its status
 }
 
-bool LocatorRos::serveReport(planar_bin_picking::ReportPick::Request& request,
-                             planar_bin_picking::ReportPick::Response& response) {
-  picks_.report(request, &response);
-  ROS_INFO_STREAM("report_pick '" << request.child_frame << "': " << response.message);
+bool LocatorRos::serveReport(Event<planar_bin_picking::ReportPick>& event) {
+  picks_.report(event.getCallerName(), event.getRequest(), &event.getResponse());
+  ROS_INFO_STREAM("report_pick '" << event.getRequest().child_frame
+                                  << "': " << event.getResponse().message);
   return true;
 }
 
@@ -173,20 +235,27 @@ Camera LocatorRos::cameraOf(const Frame& frame) const {
   throw Refusal(planar_bin_picking::LocatePart::Response::BAD_CAMERA_INFO, text.str());
 }
 
-void LocatorRos::answer(const Request& request, Response& response) {
+void LocatorRos::answer(const std::string& caller, const Request& request, Response& response) {
   Stopwatch watch(response);
-  const std::vector<PartPtr> parts = library_.select(request.part);
-  faceFilter(request.face);  // refuses a wrong request before it waits
+  std::vector<PartPtr> parts = library_.select(request.part);
+  publisher_.withdraw(parts);  // whatever comes of this call, the former answer no longer holds
+  faceFilter(request.face);    // refuses a wrong request before it waits
+  checkTimes(request);
   const Frame frame = awaitFrame(request);
   watch.lap("wait");
 
   const std_msgs::Header& image = frame.image->header;
+  checkSize(*frame.image);
   Answer answer{parts, frame, toGrey(frame.image), cameraOf(frame), {}, image, {}};
   watch.lap("convert");
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
   const auto T_target_camera = transform(answer.header.frame_id, image.frame_id, image.stamp);
-  const LocateRequest locate_request = makeRequest(request, answer);
+  LocateRequest locate_request = makeRequest(request, answer);
+  const std::string unsuitable = dropUnsuitable(answer.camera, &locate_request);
+  checkPlane(locate_request, answer.camera, locator_.params().plane);
+  answer.parts = locate_request.parts;
+  const PickKeeper::Frames frames = pickFrames(answer.header, T_target_camera);
   watch.lap("transform");
   {
     // One at a time: a call uses all cores anyway, and two would need twice the memory.
@@ -197,62 +266,64 @@ void LocatorRos::answer(const Request& request, Response& response) {
   const planar_bin_picking::Report report = answer.result.report;
   watch.lap(report.stages);
 
-  for (const auto& detection : answer.result.detections) {
-    answer.located.push_back(toMsg(detection, *parts.at(detection.part), T_target_camera));
-    answer.located.back().header = answer.header;
-  }
-  const auto sorted = picks_.sort(&answer, pickFrames(answer.header, T_target_camera));
-  response.refused = sorted.refused;
-  const std::size_t count = answer.located.size();
-  response.parts = publisher_.publish(std::move(answer))->located;
-  picks_.keep(response.parts, sorted.offered);
+  const auto publish = [this](Answer sorted) {
+    return publisher_.publish(std::move(sorted))->located;
+  };
+  auto offered = picks_.offer(std::move(answer), frames, {caller, request.max_parts}, publish);
   watch.lap("publish");
-  if (count > 0) {
+  response.parts = std::move(offered.parts);
+  response.refused = std::move(offered.refused);
+  conclude(locate_request, report, offered.hint, response);
+  if (!unsuitable.empty()) response.message += "; not looked for: " + unsuitable;
+}
+
+void LocatorRos::conclude(const LocateRequest& request, const planar_bin_picking::Report& report,
+                          const std::string& hint, Response& response) const {
+  if (!response.parts.empty()) {
     response.status = Response::OK;
-    response.message = std::to_string(count) + " located";
+    response.message = std::to_string(response.parts.size()) + " located";
   } else if (!response.refused.empty()) {
     response.status = Response::DEADLOCK;
     response.message = "none of " + std::to_string(response.refused.size()) +
-                       " located parts can be offered: " + sorted.hint;
+                       " located parts can be offered: " + hint;
   } else {
     response.status = Response::NO_PART_FOUND;
-    response.message = nothingFound(locator_.params().score.threshold, locate_request, report);
+    response.message = nothingFound(locator_.params().score.threshold, request, report);
   }
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {
-  if (request.timeout < ros::Duration(0)) {
-    throw Refusal(Response::BAD_REQUEST,
-                  "timeout is negative; zero means the cell's image_timeout");
-  }
-  const bool triggers = !cell_.trigger_service.empty();
-  const ros::Time not_before =
-      request.not_before.isZero() && triggers ? ros::Time::now() : request.not_before;
-  if (triggers) trigger();
-  return source_.await(
-      not_before, request.timeout.isZero() ? ros::Duration(cell_.image_timeout) : request.timeout);
+  const ros::Duration timeout =
+      request.timeout.isZero() ? ros::Duration(cell_.image_timeout) : request.timeout;
+  if (cell_.trigger_service.empty()) return source_.await(request.not_before, timeout);
+  // Taken before the trigger is sent: its image may be here before its answer is.
+  const SteadyTime sent = std::chrono::steady_clock::now();
+  const ros::Time not_before = request.not_before.isZero() ? ros::Time::now() : request.not_before;
+  trigger();
+  return source_.await(not_before, timeout, sent);
 }
 
 void LocatorRos::trigger() {
   std_srvs::Trigger service;
   const std::string name = image_nh_.resolveName(cell_.trigger_service);
+  std::string why =
+      " is not answered by anybody; start what takes the images, or correct "
+      "~cell/trigger_service";
   switch (callWithin(image_nh_, name, cell_.trigger_timeout, &service)) {
     case CallEnd::kAnswered:
-      // An image may come all the same: the HDR node passes a single exposure on.
-      if (!service.response.success) ROS_WARN_STREAM(name << ": " << service.response.message);
-      return;
+      if (service.response.success) return;
+      why = " made no image: " + service.response.message;
+      break;
     case CallEnd::kLate:
-      throw Refusal(Response::NO_IMAGE,
-                    name +
-                        " did not answer within ~cell/trigger_timeout; look at the node that "
-                        "takes the images, or allow it more time");
+      why =
+          " did not answer within ~cell/trigger_timeout; look at the node that takes the images, "
+          "or allow it more time";
+      break;
     case CallEnd::kNobody:
     case CallEnd::kFailed:
       break;
   }
-  throw Refusal(Response::NO_IMAGE, "nobody answers " + name +
-                                        "; start what takes the images, or correct "
-                                        "~cell/trigger_service");
+  throw Refusal(Response::NO_IMAGE, "the trigger " + name + why);
 }
 
 PickKeeper::Frames LocatorRos::pickFrames(const std_msgs::Header& answer,
@@ -291,12 +362,11 @@ LocateRequest LocatorRos::makeRequest(const Request& request, const Answer& answ
   locate_request.distance_min = range.min;
   locate_request.distance_max = range.max;
   locate_request.face = faceFilter(request.face);
-  locate_request.max_parts = request.max_parts;
+  locate_request.max_parts = 0;  // the pick policy cuts, after it has taken out what it refuses
   if (!cell_.plane_frame.empty()) {
     locate_request.plane =
         planeOfFrame(cell_.plane_frame, transform(image.frame_id, cell_.plane_frame, image.stamp));
   }
-  checkPlane(locate_request, answer.camera, locator_.params().plane);
   return locate_request;
 }
 

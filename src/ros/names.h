@@ -35,8 +35,15 @@ constexpr char kHdrParams[] = "hdr";
 constexpr char kPickParams[] = "pick";
 constexpr char kCalibratorParams[] = "calibrator";
 
-/// Parent of the frames of parts that the latest image no longer shows. It hangs on nothing, so
-/// that looking such a part up fails instead of answering with where it once was.
+// Public: what frames a locator has put on tf, so that its next process can withdraw them. The
+// node's name follows.
+constexpr char kPublishedFramesParam[] = "/planar_bin_picking/published_frames/";
+
+/// Hz; how often the parts' frames are sent on /tf.
+constexpr double kFrameRate = 10.0;
+
+/// Parent of the frames of parts that are not, or no longer, offered. It hangs on nothing, so that
+/// looking such a part up fails instead of answering with where it once was.
 constexpr char kNotLocatedFrame[] = "planar_bin_picking/not_located";
 
 }  // namespace planar_bin_picking_ros

@@ -30,7 +30,7 @@ PickCandidate candidateAt(double x, double y) {
   candidate.visible_fraction = 1.0;
   candidate.tilt_deg = 5.0;
   candidate.T_target_pick = {downAt(x, y, 0.01)};
-  candidate.surroundings = cv::Mat(24, 24, CV_32F, cv::Scalar(0));
+  candidate.surroundings = {cv::Mat(24, 24, CV_32F, cv::Scalar(0)), 8};
   return candidate;
 }
 
@@ -169,12 +169,25 @@ TEST(PickPolicy, ForgetsAFailureOnceTheSceneHasChanged) {
   PickPolicy policy{PickParams()};
   std::vector<PickCandidate> candidates = {candidateAt(0, 0), candidateAt(0.1, 0)};
   policy.fail(candidates[0]);
-  candidates[0].surroundings = cv::Mat(24, 24, CV_32F, cv::Scalar(3));  // noise, a lamp that ages
+  candidates[0].surroundings.patch =
+      cv::Mat(24, 24, CV_32F, cv::Scalar(3));  // noise, a lamp that ages
   EXPECT_EQ(order(policy.plan(candidates, std::nullopt)), Order({1, 0}));
-  candidates[0].surroundings = cv::Mat(24, 24, CV_32F, cv::Scalar(40));
+  candidates[0].surroundings.patch = cv::Mat(24, 24, CV_32F, cv::Scalar(40));
   EXPECT_EQ(order(policy.plan(candidates, std::nullopt)), Order({0, 1}));
-  candidates[0].surroundings = cv::Mat(24, 24, CV_32F, cv::Scalar(3));
+  candidates[0].surroundings.patch = cv::Mat(24, 24, CV_32F, cv::Scalar(3));
   EXPECT_EQ(order(policy.plan(candidates, std::nullopt)), Order({0, 1}));  // forgotten for good
+}
+
+// A 12-bit camera: 12 levels of 256 are 192 of its own.
+TEST(PickPolicy, CountsAChangeInLevelsOfEightBits) {
+  PickPolicy policy{PickParams()};
+  PickCandidate candidate = candidateAt(0, 0);
+  candidate.surroundings.bits = 12;
+  policy.fail(candidate);
+  candidate.surroundings.patch = cv::Mat(24, 24, CV_32F, cv::Scalar(190));
+  EXPECT_EQ(policy.plan({candidate}, std::nullopt).offers.at(0).failures, 1);
+  candidate.surroundings.patch = cv::Mat(24, 24, CV_32F, cv::Scalar(195));
+  EXPECT_EQ(policy.plan({candidate}, std::nullopt).offers.at(0).failures, 0);
 }
 
 TEST(PickPolicy, ForgetsAFailureAfterASuccess) {
@@ -191,32 +204,179 @@ TEST(PickPolicy, RefusesParamsOutOfRange) {
   EXPECT_TRUE(refuses([&] { PickPolicy policy(params); }, {"visible_min is 1.5", "0 .. 1"}));
 }
 
-TEST(CutSurroundings, ChangesWithTheSceneAndNotWithTheLamp) {
-  Camera::Model model;
-  model.width = 640, model.height = 480, model.fx = model.fy = 800.0, model.cx = 320.0,
-  model.cy = 240.0;
-  const Camera camera(model);
-  cv::Mat grey(480, 640, CV_8U, cv::Scalar(90));
-  grey(cv::Rect(300, 220, 40, 40)).setTo(150);
-  const Eigen::Isometry3d T = downAt(0, 0, 0.8);
-  const auto cut = [&](const cv::Mat& image) {
-    return cutSurroundings(image, camera, T, Eigen::Vector3d::Zero(), 0.08);
+// What was asked for, the bin's box, the pick poses, the parameters: the first that bars it tells
+// why.
+TEST(PickPolicy, TellsTheFirstRuleThatIsBroken) {
+  PickParams params;
+  params.score_min = 0.95, params.tool_radius = 0.02;
+  PickPolicy policy(params);
+  PickCandidate candidate = candidateAt(0.3, 0);
+  candidate.other_picks = "rim (front)";
+  candidate.withheld = PickRefusal::kWrongFace;
+  candidate.withheld_text = "its back is up";
+  const auto reason = [&] {
+    const auto plan = policy.plan({candidate}, binOf400x300());
+    EXPECT_TRUE(plan.offers.empty());
+    return plan.refused.at(0);
   };
-  const cv::Mat before = cut(grey);
-  ASSERT_FALSE(before.empty());
-  EXPECT_LT(cv::norm(before, cut(grey + 20), cv::NORM_L1) / before.total(), 0.5);
-  grey(cv::Rect(345, 180, 30, 120)).setTo(150);
-  EXPECT_GT(cv::norm(before, cut(grey), cv::NORM_L1) / before.total(), 12.0);
-  EXPECT_TRUE(
-      cutSurroundings(grey, camera, downAt(0.3, 0, 0.8), Eigen::Vector3d::Zero(), 0.08).empty());
+  EXPECT_EQ(reason().reason, PickRefusal::kWrongFace);
+  EXPECT_EQ(reason().text, "its back is up");
+  candidate.withheld.reset();
+  EXPECT_EQ(reason().reason, PickRefusal::kOutside);
+  EXPECT_NE(reason().text.find("0.100 m outside of the bin's box along x"), std::string::npos)
+      << reason().text;
+  candidate.center.x() = 0.0;
+  EXPECT_EQ(reason().reason, PickRefusal::kNoPickPose);
+  EXPECT_NE(reason().text.find("rim (front)"), std::string::npos);
+  candidate.other_picks.clear();
+  EXPECT_EQ(reason().reason, PickRefusal::kLowScore);
+  candidate.score = 0.96;
+  EXPECT_EQ(reason().reason, PickRefusal::kWall);
 }
 
-TEST(DeadlockHint, GoesByTheMostFrequentReason) {
+TEST(PickPolicy, OffersNothingOutsideOfTheBinsBox) {
+  PickPolicy policy{PickParams()};
+  PickBin bin = binOf400x300();
+  const auto offered = [&](double x, double y, double z) {
+    PickCandidate candidate = candidateAt(x, y);
+    candidate.center.z() = z;
+    return !policy.plan({candidate}, bin).offers.empty();
+  };
+  EXPECT_TRUE(offered(0.204, 0.154, 0.104));
+  EXPECT_TRUE(offered(-0.204, -0.154, -0.004));
+  EXPECT_FALSE(offered(0.206, 0, 0.05));
+  EXPECT_FALSE(offered(-0.206, 0, 0.05));
+  EXPECT_FALSE(offered(0, 0.156, 0.05));
+  EXPECT_FALSE(offered(0, -0.156, 0.05));
+  EXPECT_FALSE(offered(0, 0, 0.106));
+  EXPECT_FALSE(offered(0, 0, -0.006));
+  // The box is the bin's, wherever that stands in the frame of the answers.
+  bin.T_bin_target.translation().x() = -0.5;
+  EXPECT_TRUE(offered(0.5, 0, 0.05));
+  EXPECT_FALSE(offered(0, 0, 0.05));
+  EXPECT_FALSE(policy.plan({candidateAt(9.0, 0)}, std::nullopt).offers.empty());
+}
+
+TEST(PickPolicy, AllowsForHowWellThePositionIsKnown) {
+  EXPECT_DOUBLE_EQ(boxMargin(0.0), 0.005);
+  EXPECT_DOUBLE_EQ(boxMargin(0.002), 0.011);
+  EXPECT_DOUBLE_EQ(boxMargin(0.5), 0.02);
+  PickPolicy policy{PickParams()};
+  PickBin bin = binOf400x300();
+  PickCandidate candidate = candidateAt(0.21, 0);
+  candidate.center_covariance.diagonal() << 4e-6, 0.0, 0.0;
+  EXPECT_EQ(policy.plan({candidate}, bin).offers.size(), 1u);
+  candidate.center_covariance.diagonal() << 0.0, 4e-6, 4e-6;  // not in the direction that matters
+  EXPECT_TRUE(policy.plan({candidate}, bin).offers.empty());
+  bin.T_bin_target.linear() =
+      Eigen::AngleAxisd(0.5 * kPi, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  candidate.center = Eigen::Vector3d(0.0, -0.21, 0.05);  // x of the bin is -y of the target frame
+  EXPECT_EQ(policy.plan({candidate}, bin).offers.size(), 1u);
+}
+
+TEST(PickPolicy, CutsByNumberLast) {
+  PickPolicy policy{PickParams()};
+  const std::vector<PickCandidate> candidates = {candidateAt(0, 0), candidateAt(0.1, 0),
+                                                 candidateAt(0.1, 0.1), candidateAt(0, 0.1)};
+  policy.fail(candidates[0]);
+  policy.fail(candidates[0]);
+  policy.fail(candidates[1]);
+  auto plan = policy.plan(candidates, std::nullopt, 2);
+  EXPECT_EQ(order(plan), Order({2, 3}));
+  ASSERT_EQ(plan.refused.size(), 2u);
+  EXPECT_EQ(plan.refused[0].candidate, 0u);
+  EXPECT_EQ(plan.refused[0].reason, PickRefusal::kFailedBefore);
+  EXPECT_EQ(plan.refused[1].candidate, 1u);
+  EXPECT_EQ(plan.refused[1].reason, PickRefusal::kBeyondMaxParts);
+  EXPECT_EQ(plan.refused[1].text, "its rank is 3, max_parts is 2");
+  EXPECT_EQ(order(policy.plan(candidates, std::nullopt, 3)), Order({2, 3, 1}));
+  EXPECT_EQ(order(policy.plan(candidates, std::nullopt, 9)), Order({2, 3, 1}));
+  EXPECT_EQ(order(policy.plan(candidates, std::nullopt, 0)), Order({2, 3, 1}));
+}
+
+TEST(PickPolicy, EachLimitIsAllowedItself) {
+  PickParams params;
+  params.score_min = 0.9, params.visible_min = 1.0, params.tilt_max_deg = 5.0;
+  params.failures_max = 1;
+  PickPolicy policy(params);
+  EXPECT_EQ(policy.plan({candidateAt(0, 0)}, std::nullopt).offers.size(), 1u);
+  policy.fail(candidateAt(0, 0));
+  const auto plan = policy.plan({candidateAt(0, 0)}, std::nullopt);
+  ASSERT_EQ(plan.refused.size(), 1u);
+  EXPECT_EQ(plan.refused[0].text, "1 picks failed here, and the scene is as it was");
+}
+
+TEST(PickPolicy, AFailureIsThatOfOnePartAtOnePlace) {
+  PickPolicy policy{PickParams()};
+  policy.fail(candidateAt(0, 0));
+  PickCandidate other = candidateAt(0, 0);
+  other.part = "gasket";
+  EXPECT_EQ(order(policy.plan({candidateAt(0.0031, 0), candidateAt(0, 0)}, std::nullopt)),
+            Order({0, 1}));
+  EXPECT_EQ(order(policy.plan({candidateAt(0.0029, 0), candidateAt(0.1, 0)}, std::nullopt)),
+            Order({1, 0}));
+  EXPECT_EQ(policy.plan({other}, std::nullopt).offers.at(0).failures, 0);
+  EXPECT_EQ(policy.plan({candidateAt(0, 0)}, std::nullopt).offers.at(0).failures, 1);
+}
+
+TEST(PickPolicy, ChangeIsHeldAgainstTheLatestFailure) {
+  PickPolicy policy{PickParams()};
+  PickCandidate candidate = candidateAt(0, 0);
+  const auto grey = [&](double level) {
+    candidate.surroundings.patch = cv::Mat(24, 24, CV_32F, cv::Scalar(level));
+    return candidate;
+  };
+  policy.fail(grey(0));
+  policy.fail(grey(10));
+  EXPECT_TRUE(policy.plan({grey(22)}, std::nullopt).offers.empty());  // the limit itself is none
+  candidate.surroundings.patch = cv::Mat();                           // nothing tells of a change
+  EXPECT_TRUE(policy.plan({candidate}, std::nullopt).offers.empty());
+  EXPECT_EQ(policy.plan({grey(22.5)}, std::nullopt).offers.size(), 1u);
+}
+
+TEST(PickPolicy, AWallIsTouchedOnEachSide) {
+  PickParams params;
+  params.tool_radius = 0.01, params.wall_clearance = 0.005;
+  PickPolicy policy(params);
+  const auto offered = [&](double x, double y) {
+    return !policy.plan({candidateAt(x, y)}, binOf400x300()).offers.empty();
+  };
+  EXPECT_TRUE(offered(0.184, 0.134) && offered(-0.184, -0.134));
+  EXPECT_FALSE(offered(0.186, 0) || offered(-0.186, 0) || offered(0, 0.136) || offered(0, -0.136));
+}
+
+// A tool that stands on the part the wrong way round would have to come through the bin's floor.
+TEST(PickPolicy, AToolFromBelowIsHeldAgainstTheWallsWhereItStands) {
+  PickParams params;
+  params.tool_radius = 0.01;
+  PickPolicy policy(params);
+  PickCandidate upward = candidateAt(0.17, 0);
+  upward.T_target_pick = {downAt(0.17, 0, 0.01, 160.0)};
+  EXPECT_EQ(policy.plan({upward}, binOf400x300()).offers.size(), 1u);
+}
+
+TEST(DeadlockHint, TellsOfEachReasonTheMostFrequentFirst) {
   const auto refused = [](PickRefusal reason) { return Refused{0, reason, ""}; };
   const auto hint = deadlockHint(
       {refused(PickRefusal::kTilt), refused(PickRefusal::kWall), refused(PickRefusal::kWall)});
-  EXPECT_NE(hint.find("2 of 3"), std::string::npos);
-  EXPECT_NE(hint.find("wall"), std::string::npos);
+  const auto wall = hint.find("2 of 3 lie at the wall"), steep = hint.find("1 of 3 lie too steep");
+  EXPECT_EQ(wall, 0u) << hint;
+  EXPECT_NE(steep, std::string::npos) << hint;
+  EXPECT_EQ(deadlockHint({}), "nothing was found");
+}
+
+TEST(DeadlockHint, HasARemedyForEachReason) {
+  const std::pair<PickRefusal, const char*> words[] = {
+      {PickRefusal::kLowScore, "pick/score_min"},  {PickRefusal::kOccluded, "pick/visible_min"},
+      {PickRefusal::kTilt, "pick/tilt_max_deg"},   {PickRefusal::kWall, "thinner tool"},
+      {PickRefusal::kFailedBefore, "gripper"},     {PickRefusal::kOutside, "the cell's file"},
+      {PickRefusal::kNoPickPose, "no pick pose"},  {PickRefusal::kWrongFace, "other face"},
+      {PickRefusal::kBeyondMaxParts, "max_parts"},
+  };
+  for (const auto& [reason, word] : words) {
+    const auto hint = deadlockHint({Refused{0, reason, ""}});
+    EXPECT_NE(hint.find(word), std::string::npos) << hint;
+  }
 }
 
 }  // namespace

@@ -135,6 +135,9 @@ TEST(LoadCellParams, RefusesByName) {
   EXPECT_TRUE(refused(cellTree(), "distance_max", -1.0, "distance_max"));
   EXPECT_TRUE(refused(cellTree(), "distance_max", "far", "distance_max"));
   EXPECT_TRUE(refused(cellTree(), "image_timeout", -1.0, "image_timeout"));
+  EXPECT_TRUE(refused(cellTree(), "tf_gap_max", 0.0, "tf_gap_max"));
+  EXPECT_TRUE(refused(cellTree(), "distance_min", 1e-12, "distance_min"));
+  EXPECT_TRUE(refused(cellTree(), "distance_min", 0.01, "distance_min"));  // ratio
   EXPECT_TRUE(refused(cellTree(), "bin_frame", "bin", "either"));
   EXPECT_TRUE(refused(cellTree(), "bin_min", list({0, 0, 0}), "bin_frame"));
   EXPECT_TRUE(refused(binTree(), "distance_min", 0.5, "either"));
