@@ -177,8 +177,10 @@ TEST(Hough, RefusesASearchThatWouldTakeTooMuchMemory) {
                                              "hough/distance_step (0.005)"}));
   // One grain for near and far: a huge picture of a near part.
   EdgeMap wide;
-  wide.field.width = wide.field.height = 20000;
-  wide.field.focal = 1000.0;
+  wide.fields.resize(1);
+  wide.field_of = {0};
+  wide.fields[0].width = wide.fields[0].height = 20000;
+  wide.fields[0].focal = 1000.0;
   EXPECT_TRUE(refuses(
       [&] {
         findCandidates(wide, {part.get(), 0, 2.0, 2.0}, {}, 1);
