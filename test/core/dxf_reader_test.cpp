@@ -86,6 +86,72 @@ TEST_F(DxfReader, ReadsBulges) {
               72e-6 * kChordMm);
 }
 
+TEST_F(DxfReader, TakesRoundingNoiseInBulgesForStraight) {
+  const auto slot = [this](double noise) {
+    DxfWriter dxf;
+    return load(dxf.polyline({{113.37, 71.913, noise},
+                              {170.97679, 89.732868, -noise},
+                              {158.949118, 128.615064, noise},
+                              {101.342328, 110.795195}}))
+        .loops.at(0);
+  };
+  for (const double noise : {2e-16, 1e-13, 1e-11, 1e-9, 1e-7, 1e-300})
+    EXPECT_EQ(slot(noise).points, slot(0.0).points) << noise;
+  EXPECT_GT(slot(1e-3).points.size(), 4u);
+}
+
+TEST_F(DxfReader, ReadsNearlyFullBulges) {
+  DxfWriter dxf;  // a circle of radius 10 but for a chord of 0.02
+  const double turn = 2 * kPi - 2 * std::asin(0.001);
+  dxf.polyline({{-0.01, -10, -std::tan(turn / 4)}, {0.01, -10}});
+  const Loop loop = load(dxf).loops.at(0);
+  EXPECT_LE(worstOffCircle(loop, 0, -10 + std::sqrt(100 - 1e-4), 10), 2.1 * kChordMm);
+}
+
+TEST_F(DxfReader, TakesEqualAnglesForNoArc) {
+  const auto part = [this](double start, double end) {
+    DxfWriter dxf = DxfWriter().rectangle(0, 0, 60, 40).arc(30, 20, 8, start, end);
+    return load(dxf);
+  };
+  EXPECT_EQ(part(90, 90).loops.size(), 1u);
+  EXPECT_EQ(part(90, 90).left_out, std::vector<std::string>{"ARC without length: 1 entity"});
+  EXPECT_EQ(part(0, 360).loops.size(), 2u);
+  EXPECT_EQ(part(-90, 270).loops.size(), 2u);
+  EXPECT_EQ(part(90, 810).loops.size(), 2u);
+  EXPECT_EQ(part(360, 0).loops.size(), 2u);
+  DxfWriter ellipse = DxfWriter().rectangle(0, 0, 60, 40);
+  ellipse.entity("ELLIPSE", "CUT",
+                 {{10, 30}, {20, 20}, {11, 8}, {40, 0.5}, {41, 0}, {42, 6.28318530718}});
+  EXPECT_EQ(load(ellipse).loops.size(), 2u);
+}
+
+TEST_F(DxfReader, ReadsOldPolylinesAsTheyCome) {
+  DxfWriter dxf;  // without SEQEND, of vertices without y or on other layers, wide and raised
+  dxf.entity("POLYLINE", "CUT",
+             {{66, 1}, {70, 1}, {40, 0.5}, {41, 0.5}, {10, 0}, {20, 0}, {30, 7}});
+  dxf.entity("VERTEX", "DIM", {{10, 0}}).entity("VERTEX", "CUT", {{10, 20}, {40, 2}});
+  dxf.entity("VERTEX", "CUT", {{10, 20}, {20, 10}, {30, 3}}).entity("VERTEX", "CUT", {{20, 10}});
+  dxf.circle(10, 5, 2);
+  const Drawing drawing = load(dxf);
+  ASSERT_EQ(drawing.loops.size(), 2u);
+  EXPECT_TRUE(boxNear(drawing.loops[0], 0, 0, 20, 10));
+  DxfWriter behind;  // flat ones may be seen from behind, three-dimensional ones not
+  for (const int flags : {1, 9}) {
+    behind.entity("POLYLINE", "CUT", {{70, flags}, {230, -1}});
+    for (const auto& [x, y] : std::vector<std::pair<int, int>>{{10, 10}, {20, 10}, {20, 20}})
+      behind.entity("VERTEX", "CUT", {{10, x}, {20, y}});
+    behind.entity("SEQEND", "CUT", {});
+  }
+  const Drawing both = load(behind.rectangle(-50, 0, 50, 40));
+  EXPECT_TRUE(boxNear(both.loops.at(1), -20, 10, -10, 20));
+  EXPECT_TRUE(boxNear(both.loops.at(2), 10, 10, 20, 20));
+  EXPECT_TRUE(refused(DxfWriter()
+                          .entity("POLYLINE", "CUT", {{70, 1}})
+                          .entity("VERTEX", "CUT", {{10, "x"}})
+                          .entity("SEQEND", "CUT", {}),
+                      {"POLYLINE", "CUT", "\"x\"", "VERTEX"}));
+}
+
 TEST_F(DxfReader, ReadsOldPolylines) {
   DxfWriter dxf;
   dxf.entity("POLYLINE", "CUT", {{66, 1}, {70, 1}});
