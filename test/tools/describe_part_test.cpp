@@ -63,6 +63,31 @@ TEST_F(DescribePart, PrintsWhatWasRead) {
   EXPECT_TRUE(root["warnings"].IsSequence());
 }
 
+TEST_F(DescribePart, ShowsUnitsWhatWasLeftOutAndWarnings) {
+  plate("plate.dxf");
+  const std::string yaml = dir_.write("plate.yaml",
+                                      "drawing: plate.dxf\nunits: inch\npick_poses:\n"
+                                      "  - {name: far, face: back, position_mm: [-100, 0, 0]}\n");
+  ASSERT_EQ(run(yaml), 0) << error_;
+  const YAML::Node root = YAML::Load(out_);
+  EXPECT_EQ(root["units"].as<std::string>(), "inch");
+  EXPECT_NEAR(root["size_mm"][0].as<double>(), 25.4 * 90.0, 1e-3);
+  EXPECT_EQ(root["left_out"].as<std::vector<std::string>>(),
+            std::vector<std::string>{"layer TITLE: 1 entity"});
+  bool warned = false;
+  for (const YAML::Node& warning : root["warnings"])
+    warned = warned || warning.as<std::string>().find("pick pose far") == 0;
+  EXPECT_TRUE(warned) << out_;
+  for (const auto& [units, mm] :
+       {std::pair{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}, {"inch", 25.4}}) {
+    dir_.write("small.dxf", DxfWriter(-1).rectangle(0, 0, 2, 1).text());
+    ASSERT_EQ(run(dir_.write("small.yaml", std::string("drawing: small.dxf\nunits: ") + units)), 0)
+        << error_;
+    EXPECT_NEAR(YAML::Load(out_)["size_mm"][0].as<double>(), 2.0 * mm, 1e-3) << units;
+    EXPECT_EQ(YAML::Load(out_)["units"].as<std::string>(), units);
+  }
+}
+
 TEST_F(DescribePart, DescribesTheOthersWhereOneIsRefused) {
   const std::string good = plate("good.dxf"), also = plate("also.dxf");
   const std::string bad = dir_.write("bad.dxf", DxfWriter().line(0, 0, 9, 9).text());

@@ -138,6 +138,36 @@ TEST_F(LocateImage, AnswersNoMorePartsThanAskedFor) {
   }
 }
 
+TEST_F(LocateImage, AnswersOnlyTheFaceAskedFor) {
+  const std::string result = dir_.path("result.yaml");
+  for (const std::string face : {"front", "back"}) {
+    ASSERT_EQ(run(part_ + " " + camera_ + " " + image_ + " " + distances_ + " --face " + face +
+                  " --output " + result),
+              0)
+        << error_;
+    const YAML::Node detections = YAML::LoadFile(result)["detections"];
+    EXPECT_GT(detections.size(), 2u) << face;
+    for (const YAML::Node& detection : detections)
+      EXPECT_EQ(detection["face"].as<std::string>(), face);
+  }
+}
+
+TEST_F(LocateImage, RefusesDistancesAndSizesThatMakeNoSense) {
+  const std::string all = part_ + " " + camera_ + " " + image_;
+  for (const auto& [least, most] : {std::pair{"1e-12", "1e-11"},
+                                    {"1e-300", "1"},
+                                    {"0.3", "1e300"},
+                                    {"1e-5", "1"},
+                                    {"200", "300"}}) {
+    EXPECT_TRUE(refused(all + " --distance-min " + least + " --distance-max " + most,
+                        {"distances", "0.01", "100"}));
+  }
+  // Inches taken for millimetres.
+  const std::string small = dir_.write("small.dxf", DxfWriter().rectangle(0, 0, 4.7, 3.1).text());
+  EXPECT_TRUE(refused("--part " + small + " " + camera_ + " " + image_ + " " + distances_,
+                      {"small", "4.7 x 3.1 mm", "pixels", "units: inch"}));
+}
+
 /// A pipe without a writer would hold the program up for ever.
 TEST_F(LocateImage, RefusesWhatIsNoRegularFile) {
   ASSERT_EQ(mkfifo(dir_.path("pipe.yaml").c_str(), 0600), 0);
