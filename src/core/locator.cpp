@@ -58,8 +58,7 @@ void check(const cv::Mat& image, const Camera& camera, const LocateRequest& requ
   }
   if (image.cols < 64 || image.rows < 64) refuse("the image is smaller than 64 x 64 pixels");
   if (request.parts.empty()) refuse("no part is given");
-  checkDistances(request.distance_min, request.distance_max);
-  for (const auto& part : request.parts)
+  for (const auto& part : request.parts)  // and the distances
     checkPartSize(*part, camera, request.distance_min, request.distance_max);
 }
 

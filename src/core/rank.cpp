@@ -7,7 +7,7 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr int kStride = 4;  // of the outline's samples: overlap needs no fine polygon
+constexpr std::size_t kStride = 4;  // of the outline's samples: overlap needs no fine polygon
 
 /// Coarse mask of a posed part in the ideal image plane.
 struct Mask {
@@ -18,9 +18,9 @@ struct Mask {
 Mask maskOf(const PartModel& part, const ScoredPose& pose) {
   Mask mask;
   const double z = part.faceZ(pose.face);
-  int k = 0;
-  for (const auto& p : part.outline()) {
-    if (p.kind != LoopKind::kOuter || k++ % kStride != 0) continue;
+  for (std::size_t k = 0; k < part.outline().size(); k += kStride) {
+    const OutlinePoint& p = part.outline()[k];
+    if (p.kind != LoopKind::kOuter) continue;
     const Eigen::Vector3d q =
         pose.T_camera_part * Eigen::Vector3d(p.position.x(), p.position.y(), z);
     mask.outer.push_back(q.hnormalized());
@@ -55,7 +55,7 @@ double overlap(const Mask& a, const Mask& b) {
       both += inside(b.outer, p);
     }
   }
-  return all > 0 ? static_cast<double>(both) / all : 0.0;
+  return static_cast<double>(both) / std::max(1, all);
 }
 
 }  // namespace

@@ -84,6 +84,7 @@ std::size_t leftOfTwo(double off_mm, double overlap_max, double z_mm = 600.0,
                       double turn_deg = 0.0) {
   sim::Plate plate;
   plate.outer = rectangle(0, 0, 100, 40);
+  plate.holes = {{{10, 10}, {10, 30}, {60, 30}, {60, 10}}};  // counts as area, too
   const Parts parts = {makePart("plate", plate)};
   const Eigen::Isometry3d T_turn(Eigen::AngleAxisd(turn_deg * kDegrees, Eigen::Vector3d::UnitZ()));
   std::vector<ScoredPose> poses(2);
