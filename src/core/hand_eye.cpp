@@ -100,6 +100,7 @@ bool dropOutliers(const Adjusted& state, Work* work, std::vector<ViewResult>* vi
       continue;
     }
     std::ostringstream text;
+    text.imbue(std::locale::classic());
     text.precision(3);
     text << "robot pose is off by " << 1e3 * t[i] << " mm and " << r[i] / kRadians
          << " deg, far more than in the other views";
