@@ -40,6 +40,9 @@ TEST_F(PickCheck, APickPosePointsIntoThePart) {
                                             "[0.000, 0.000, 1.000]", "rpy_deg: [180, 0, 0]"}));
   EXPECT_TRUE(refused(pick("face: back, rpy_deg: [180, 0, 0]"),
                       {"cup", "back is up", "-1.000", "rpy_deg: [0, 0, 0]"}));
+  // Whoever names the face means it.
+  EXPECT_FALSE(refused(pick("face: front"), {"say face"}));
+  EXPECT_FALSE(refused(pick("face: back, rpy_deg: [180, 0, 0]"), {"say face"}));
   EXPECT_EQ(load(pick("face: front, rpy_deg: [180, 0, 0]")).warnings.size(), 0u);
   EXPECT_EQ(load(pick("face: back")).warnings.size(), 0u);
   // One z cannot point into both faces.
