@@ -64,29 +64,24 @@ Eigen::Isometry3d turned(const PartModel& part, const Eigen::Vector2d& c, bool f
   return Eigen::Isometry3d(centre * turn * centre.inverse());
 }
 
-}  // namespace
+constexpr double kStep = 2.0 * M_PI / kAngles;
 
-std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, double share_min) {
-  const Symmetry& symmetry = part.symmetry();
-  std::vector<Eigen::Vector2d> shape;
-  for (const auto& p : part.outline()) {
-    if (p.kind != LoopKind::kPrint) {
-      shape.push_back((p.position - symmetry.center) / part.radius());
-    }
-  }
-  const NearOutline near(shape, tolerance);
+/// A turn after which much of the shape lies on itself.
+struct Turn {
+  double share, angle;
+  bool flip;
+};
+
+/// Turns at the peaks of nearness; where it is flat, all of them.
+std::vector<Turn> findTurns(const std::vector<Eigen::Vector2d>& shape, const NearOutline& near,
+                            const Symmetry& symmetry, double share_min) {
   const auto mean = [&](bool flip, double angle, auto&& of) {
     const Eigen::Matrix2d map = mapping(flip, angle);
     double sum = 0.0;
     for (const auto& p : shape) sum += of(map * p);
     return sum / static_cast<double>(shape.size());
   };
-  struct Found {
-    double share, angle;
-    bool flip;
-  };
-  std::vector<Found> found;
-  constexpr double kStep = 2.0 * M_PI / kAngles;
+  std::vector<Turn> found;
   constexpr double kFlat = 0.02;  // a ring with a few small holes looks alike at every turn
   // Turns that differ by a symmetry of the shape are the same, and so are the two faces of a shape
   // that equals its mirror image.
@@ -110,17 +105,36 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, d
       if (share >= share_min) found.push_back({share, angle, flip});
     }
   }
+  return found;
+}
+
+bool isExact(const Turn& turn, const Symmetry& symmetry) {
+  if (turn.flip && !symmetry.mirror) return false;
+  if (symmetry.order == 0) return true;
+  const double base = turn.flip ? 2.0 * symmetry.mirror_axis : 0.0;
+  const double turns = (turn.angle - base) * symmetry.order / (2.0 * M_PI);
+  return std::abs(turns - std::round(turns)) * 2.0 * M_PI / symmetry.order < 1.5 * kStep;
+}
+
+}  // namespace
+
+std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, double share_min) {
+  const Symmetry& symmetry = part.symmetry();
+  std::vector<Eigen::Vector2d> shape;
+  for (const auto& p : part.outline()) {
+    if (p.kind != LoopKind::kPrint) {
+      shape.push_back((p.position - symmetry.center) / part.radius());
+    }
+  }
+  const NearOutline near(shape, tolerance);
+  std::vector<Turn> found = findTurns(shape, near, symmetry, share_min);
   // Exact symmetries of the shape matter only where a print tells them apart.
-  const auto exact = [&](const Found& f) {
-    if (f.flip && !symmetry.mirror) return false;
-    if (symmetry.order == 0) return true;
-    const double base = f.flip ? 2.0 * symmetry.mirror_axis : 0.0;
-    const double turns = (f.angle - base) * order / (2.0 * M_PI);
-    return std::abs(turns - std::round(turns)) * 2.0 * M_PI / order < 1.5 * kStep;
-  };
-  found.erase(std::remove_if(found.begin(), found.end(), exact), found.end());
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [&](const Turn& turn) { return isExact(turn, symmetry); }),
+              found.end());
   std::stable_sort(found.begin(), found.end(),
-                   [](const Found& a, const Found& b) { return a.share > b.share; });
+                   [](const Turn& a, const Turn& b) { return a.share > b.share; });
+  const int order = std::max(1, symmetry.order);
   std::vector<Lookalike> out;
   for (int k = 0; k < order && part.hasPrint(); ++k) {
     const double angle = 2.0 * M_PI * k / order;
