@@ -135,6 +135,11 @@ void checkPassedOver(const EdgeSelection& selection, const std::vector<Contour>&
       refuseOutline(left_out);
     }
     if (left_out.rule->by_line_type) continue;
+    if (std::abs(signedArea(left_out.contour.points)) > std::abs(signedArea(outer.points))) {
+      larger.insert(left_out.name() + ": a closed contour " + boxText(left_out.contour.points) +
+                    ", larger than the part, was left out");
+      continue;
+    }
     if (mayBeHole(left_out.contour, contours, outer)) ++holes[left_out.name()];
   }
   warnings->insert(warnings->end(), larger.begin(), larger.end());

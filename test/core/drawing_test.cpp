@@ -103,6 +103,9 @@ TEST_F(DrawingContours, RefusesPrintsBesideThePart) {
   DxfWriter dxf;
   dxf.rectangle(0, 0, 30, 20).line(5, 5, 45, 5, "PRINT");
   EXPECT_TRUE(refused(dxf, {"print", "LINE", "PRINT", "not on the part", "skip_layers"}));
+  DxfWriter over;  // by half a stroke
+  EXPECT_EQ(load(over.rectangle(0, 0, 30, 20).line(5, 5, 30.9, 5, "PRINT")).loops.size(), 2u);
+  EXPECT_TRUE(refused(over.line(5, 9, 31.1, 9, "PRINT"), {"not on the part"}));
 }
 
 TEST_F(DrawingContours, RemovesLinesDrawnTwice) {

@@ -56,6 +56,13 @@ TEST_F(PassedOverTest, FramesAreFrames) {
   EXPECT_TRUE(refused(round.entity("TEXT", "BORDER", {{1, "A3"}}), {"layer BORDER"}));
 }
 
+TEST_F(PassedOverTest, LargerContoursBesideThePartAreReported) {
+  const DxfWriter dxf = DxfWriter().rectangle(0, 0, 60, 40).circle(30, 20, 8);
+  EXPECT_TRUE(says(load(DxfWriter(dxf).rectangle(70, 0, 140, 40, "TITLE")).warnings,
+                   {"layer TITLE", "(140.000, 40.000) mm", "larger than the part"}));
+  EXPECT_TRUE(load(DxfWriter(dxf).rectangle(70, 0, 120, 40, "TITLE")).warnings.empty());
+}
+
 TEST_F(PassedOverTest, HolesAreReported) {
   DxfWriter dxf = DxfWriter().rectangle(0, 0, 60, 40).circle(30, 20, 3);
   dxf.circle(10, 10, 2, "DIM_A").circle(50, 10, 2, "DIM_A").rectangle(40, 30, 45, 35, "TEXT");
