@@ -294,7 +294,7 @@ void PolylineReader::finish(DxfEntity* entity) {
 std::optional<DxfDimension> readDimension(const DxfRecord& record, const DxfNames& names) {
   DxfDimension dimension;
   try {
-    const int type = integerOf(record, 70, 0) & 7;
+    const int type = integerOf(record, 70, 0) & 15;  // without flags
     const Eigen::Vector2d a = pointOf(record, 13), b = pointOf(record, 14);
     const double turn = realOf(record, 50, 0.0) * kDegree;
     switch (type) {

@@ -181,6 +181,14 @@ TEST_F(DrawingContours, RefusesEmptyDrawingsAndSaysWhatWasLeftOut) {
                                 "line type HIDDEN: 1 entity", "keep_layers"}));
 }
 
+TEST_F(DrawingContours, HaveALength) {
+  Loop loop{LoopKind::kOuter, true, {{0, 0}, {3, 0}, {3, 4}}};
+  EXPECT_DOUBLE_EQ(lengthOf(loop), 12.0);
+  loop.closed = false;
+  EXPECT_DOUBLE_EQ(lengthOf(loop), 7.0);
+  EXPECT_DOUBLE_EQ(lengthOf({LoopKind::kPrint, false, {{1, 1}}}), 0.0);
+}
+
 TEST_F(DrawingContours, RefusesBranches) {
   DxfWriter dxf;
   dxf.line(0, 0, 40, 0)

@@ -88,7 +88,7 @@ TEST_F(SheetScale, IsSeenInAllLinearDimensions) {
 TEST_F(SheetScale, DoesNotHearWhatIsNoLengthInModelSpace) {
   const DxfGroups wrong = {{13, 0}, {23, 0}, {14, 30}, {24, 0}, {42, 90}};
   for (const DxfGroups& more : {DxfGroups{{70, 2}}, DxfGroups{{70, 5}}, DxfGroups{{70, 6}},
-                                DxfGroups{{67, 1}}, DxfGroups{{60, 1}}}) {
+                                DxfGroups{{70, 8}}, DxfGroups{{67, 1}}, DxfGroups{{60, 1}}}) {
     DxfGroups groups = wrong;
     groups.insert(groups.end(), more.begin(), more.end());
     DxfWriter dxf;
