@@ -121,6 +121,22 @@ TEST(PickPolicy, LooksAtTheWholeShaft) {
   EXPECT_EQ(policy.plan({outward}, std::nullopt).offers.size(), 1u);
 }
 
+// The walls' top is at 0.1 m: of a part just below it little of the shaft is beside them.
+TEST(PickPolicy, AShaftIsFreeAboveTheWalls) {
+  PickParams params;
+  params.tool_radius = 0.01;
+  PickPolicy policy(params);
+  const auto offered = [&](double x, double z) {
+    PickCandidate candidate = candidateAt(x, 0);
+    candidate.T_target_pick = {downAt(x, 0, z, 20.0)};
+    return !policy.plan({candidate}, binOf400x300()).offers.empty();
+  };
+  EXPECT_TRUE(offered(0.182, 0.08));  // 2 cm up it leans 7.3 mm over
+  EXPECT_FALSE(offered(0.184, 0.08));
+  EXPECT_TRUE(offered(0.189, 0.102));  // wholly above
+  EXPECT_FALSE(offered(0.191, 0.102));
+}
+
 TEST(PickPolicy, AToolMayEndBelowTheWallsTop) {
   PickParams params;
   params.tool_radius = 0.01;
