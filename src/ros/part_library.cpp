@@ -6,7 +6,6 @@
 #include "refusal.h"
 
 #include <planar_bin_picking/LocatePart.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -42,18 +41,6 @@ bool isWithin(const fs::path& folder, const fs::path& path) {
   return !error && !inside.empty() && *inside.begin() != "..";
 }
 
-/// The drawing that a part's yaml names. A yaml that cannot be read claims none: loading the part
-/// itself reports what is wrong with it.
-fs::path claimedDrawing(const fs::path& yaml) {
-  try {
-    const YAML::Node root = YAML::LoadFile(yaml.string());
-    if (root.IsMap() && root["drawing"])
-      return (yaml.parent_path() / root["drawing"].as<std::string>()).lexically_normal();
-  } catch (const YAML::Exception&) {
-  }
-  return {};
-}
-
 /// Why a file of the folder is not even opened; "" where it may be.
 std::string whyNotOpened(const fs::path& folder, const fs::path& path) {
   std::error_code error;
@@ -68,19 +55,16 @@ struct Found {
   std::map<std::string, std::string> errors;  ///< part name -> why it has none
 };
 
-/// Parts in yaml files, and the drawings that these name.
+/// Parts in yaml files, and the drawings that these name. What else is wrong with a file, loading
+/// it says.
 void findYamlParts(const fs::path& folder, const std::vector<fs::path>& yamls,
                    std::set<fs::path>* claimed, Found* found) {
   for (const fs::path& yaml : yamls) {
     const std::string name = yaml.stem().string();
     std::string error = whyNotOpened(folder, yaml);
     if (error.empty()) {
-      const fs::path drawing = claimedDrawing(yaml);
-      claimed->insert(drawing);
-      std::error_code ignored;
-      if (!drawing.empty() && fs::exists(drawing, ignored) && !isWithin(folder, drawing)) {
-        error = yaml.string() + ": its drawing lies outside of the parts folder; copy it into it";
-      }
+      const auto drawing = planar_bin_picking::drawingNamedBy(yaml.string());
+      if (drawing) claimed->insert(*drawing);
     }
     if (error.empty()) {
       found->files[name] = yaml;
