@@ -114,6 +114,11 @@ TEST(Rank, PartsThatShareNothingBothStay) {
   EXPECT_EQ(leftOfTwo(101.0, 0.0), 2u);
   EXPECT_EQ(leftOfTwo(80.0, 0.0), 1u);
   EXPECT_EQ(leftOfTwo(0.0, 1.0), 2u);  // none shares more than all
+  // The middle of the outermost of the grid's 16 cells is 3.1 mm off the border.
+  for (const double turn : {0.0, 90.0}) {
+    EXPECT_EQ(leftOfTwo(95.8, 0.0, 600.0, turn), 1u) << turn;
+    EXPECT_EQ(leftOfTwo(97.6, 0.0, 600.0, turn), 2u) << turn;
+  }
 }
 
 TEST(Rank, TheAreaIsThatOfThePictureAtAnyDepth) {
