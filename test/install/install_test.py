@@ -29,6 +29,7 @@ COMMANDS = {
     "demo": r"\./run demo$",
     "test": r"\./run test$",
     "locate_image": r"\S+/locate_image ",
+    "describe_part": r"\S+/describe_part ",
     "cell": r"roslaunch planar_bin_picking cell\.launch ",
     "locate": r"rosservice call /locator/locate_part ",
     "cycle_demo": r"roslaunch planar_bin_picking cycle_demo\.launch ",
@@ -182,17 +183,35 @@ class Installed(unittest.TestCase):
         self.assertRegex(subprocess.run(["./run"], cwd=PACKAGE, capture_output=True, text=True).stdout, r"\./run test")
         command("test")  # this is it
 
-    def test_locate_image_locates(self):
+    def from_checkout(self, line):
+        """A command that is called in the checkout, whose files it reads, with results elsewhere."""
         folder = self.root / "checkout"
-        folder.mkdir()
-        for name in ("build", "config", "test"):
-            (folder / name).symlink_to(BUILD if name == "build" else PACKAGE / name)
-        line = command("locate_image")
-        output = subprocess.run(line, shell=True, cwd=folder, check=True, capture_output=True, text=True, timeout=120)
+        if not folder.exists():
+            folder.mkdir()
+            for name in ("build", "config", "test"):
+                (folder / name).symlink_to(BUILD if name == "build" else PACKAGE / name)
+        return f"cd {folder} && {line}"
+
+    def test_locate_image_locates(self):
+        output = subprocess.run(self.from_checkout(command("locate_image")), shell=True, check=True, text=True,
+                                capture_output=True, timeout=120)
+        folder = self.root / "checkout"
         result = yaml.safe_load((folder / "result.yaml").read_text())
         self.assertGreater(len(result["detections"]), 5)
         self.assertIn("bracket", output.stdout)
         self.assertEqual(cv2.imread(str(folder / "overlay.png")).shape, (2048, 2448, 3))
+
+    def test_describe_part_prints_what_the_readme_shows(self):
+        output = subprocess.run(self.from_checkout(command("describe_part")), shell=True, check=True, text=True,
+                                capture_output=True, timeout=60).stdout
+        self.assertIn(output, [contents for language, contents in readme.blocks(readme.text()) if language == "text"])
+
+    def test_part_file_is_read_without_a_warning(self):
+        program = self.prefix / "lib/planar_bin_picking/describe_part"
+        output = subprocess.run([program, "parts/bracket.yaml"], cwd=self.root, env=self.environment, check=True, text=True,
+                                capture_output=True, timeout=60).stdout
+        self.assertIn("\npick_poses: [suction, suction_back]\n", output)
+        self.assertIn("\nwarnings: []\n", output)
 
     def test_cell_answers_with_the_pick_poses_of_the_part_file(self):
         with self.session() as session:

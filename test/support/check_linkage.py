@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Holds what is built against what may come into a process: check_linkage.py DEVEL_LIB_FOLDER
 
-The locating library and the nodelets must not bring Ceres, which Debian builds with GPL parts of
-SuiteSparse, into a camera driver's process (README, "Licences")."""
+The locating library and the nodelets must bring neither Ceres, which Debian builds with GPL parts of
+SuiteSparse, nor a GPL reader of drawings into a camera driver's process (README, "Licences")."""
 import re
 import subprocess
 import sys
@@ -12,13 +12,14 @@ from pathlib import Path
 
 PACKAGE = "planar_bin_picking"
 SOLVER = ["ceres", "cholmod", "spqr", "cxsparse", "umfpack", "amd", "camd", "colamd", "ccolamd", "suitesparseconfig"]
+DRAWING_READERS = ["dxflib"]
 IMAGE_FILES = ["gdal", "poppler", "opencv_imgcodecs"]  # the last brings the others in
 RULES = {
-    f"lib{PACKAGE}_core.so": SOLVER + IMAGE_FILES,
+    f"lib{PACKAGE}_core.so": SOLVER + DRAWING_READERS + IMAGE_FILES,
     # cv_bridge brings the reading of image files in, whoever uses it.
-    f"lib{PACKAGE}_ros.so": SOLVER,
-    f"lib{PACKAGE}_nodelets.so": SOLVER,
-    f"{PACKAGE}/locator": SOLVER,
+    f"lib{PACKAGE}_ros.so": SOLVER + DRAWING_READERS,
+    f"lib{PACKAGE}_nodelets.so": SOLVER + DRAWING_READERS,
+    f"{PACKAGE}/locator": SOLVER + DRAWING_READERS,
 }
 WITH_SOLVER = f"lib{PACKAGE}_calibration.so"
 

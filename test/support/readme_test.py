@@ -80,9 +80,10 @@ class Readme(unittest.TestCase):
     def test_default_layers_are_those_of_the_code(self):
         header = (PACKAGE / "include/planar_bin_picking/drawing.h").read_text()
         for name in ("skip_layers", "print_layers"):
-            patterns = re.findall(r'"([\w*]+)"', re.search(name + r" = \{([^}]*)\}", header)[1])
+            patterns = [pattern.encode().decode("unicode_escape") for pattern in
+                        re.findall(r'"([^"]+)"', re.search(name + r" = \{([^}]*)\}", header)[1])]
             row = re.search(rf"^\| `{name}` \|(.*)", self.text, re.MULTILINE)[1]
-            self.assertEqual(re.findall(r"`([A-Z]+\*?)`", row), patterns)
+            self.assertEqual(re.findall(r"`([^`]+)`", row), patterns)
 
 
 if __name__ == "__main__":
