@@ -34,6 +34,7 @@ const std::vector<Change> kChanges = {
     {"edges/texture_cost_px", "2", ""},
     {"edges/megapixels", "0.3", ""},
     {"edges/direction_cost_px", "1.5", ""},
+    {"edges/radius_px", "40", ""},
     {"hough/radius_cells", "10", ""},
     {"hough/tolerance_cells", "1.5", ""},
     {"hough/yaw_step_deg", "7.5", ""},

@@ -65,8 +65,10 @@ class RunKeys : public testing::Test {
 TEST_F(RunKeys, WorkspaceBoundsEachWay) {
   const Eigen::Vector3d start = world().T_base_start.translation();
   int binding = 0;
+  const std::string ends[3][2] = {{"run/workspace_min_x", "run/workspace_max_x"},
+                                  {"run/workspace_min_y", "run/workspace_max_y"},
+                                  {"run/workspace_min_z", "run/workspace_max_z"}};
   for (int axis = 0; axis < 3; ++axis) {
-    const std::string end(1, "xyz"[axis]);
     const auto reach = [&](const RunOutcome& outcome, double sign) {
       double most = -1e9;
       for (const auto& T : outcome.asked) {
@@ -74,12 +76,10 @@ TEST_F(RunKeys, WorkspaceBoundsEachWay) {
       }
       return most;
     };
-    const auto down =
-        outcomeOf(with({{"run/workspace_min_" + end, XmlRpcValue(start[axis] - 0.02)}}));
-    const auto up =
-        outcomeOf(with({{"run/workspace_max_" + end, XmlRpcValue(start[axis] + 0.02)}}));
-    EXPECT_LE(reach(down, -1.0), 0.02 + 1e-9) << end;
-    EXPECT_LE(reach(up, 1.0), 0.02 + 1e-9) << end;
+    const auto down = outcomeOf(with({{ends[axis][0], XmlRpcValue(start[axis] - 0.02)}}));
+    const auto up = outcomeOf(with({{ends[axis][1], XmlRpcValue(start[axis] + 0.02)}}));
+    EXPECT_LE(reach(down, -1.0), 0.02 + 1e-9) << ends[axis][0];
+    EXPECT_LE(reach(up, 1.0), 0.02 + 1e-9) << ends[axis][1];
     binding += (reach(byDefault(), -1.0) > 0.02) + (reach(byDefault(), 1.0) > 0.02);
   }
   EXPECT_GE(binding, 4);  // it would go there otherwise

@@ -16,6 +16,11 @@ from test_sources import flatten, read
 
 # Which key of a tester's parameters holds which constants, by number.
 EXPECTED = {"status": ("LocatePart", 1), "face": ("LocatePart", 0), "reason": ("RefusedPart", 0)}
+# Structs of parameters, which a unit test of the wrapper may set in place of a tree.
+STRUCTS = {"hdr.yaml": "HdrNodeParams", "cell.yaml": "CellParams", "calibrator.yaml": "CalibratorParams",
+           "pick.yaml": "PickParams"}
+# Whatever provokes it through the interface is a fault to be mended.
+UNREACHABLE = {"LocatePart.srv response: constant INTERNAL_ERROR"}
 PICK_KEYS = {"name", "face", "symmetric"}
 PART_KEYS_IN = "src/core/part_file.cpp"
 
@@ -79,7 +84,8 @@ def part_keys(package):
 
 
 def read_tests(package):
-    """(those that call the nodes, those of configuration and command line, data that they load)."""
+    """(those that call the nodes, those of configuration and command line, data that they load, unit tests of
+    the wrapper)."""
     ros = [package / "test/ros", package / "test/sim"]
     tests = [path for folder in ros for pattern in ("*.test", "*_tester.cpp", "*_tester.py", "fake_*.py", "*_node.cpp")
              for path in folder.glob(pattern)]
@@ -96,7 +102,8 @@ def read_tests(package):
     data = [path for path in [*package.glob("test/ros/**/*.y*ml"), *package.glob("test/sim/*.yaml"),
                               *package.glob("test/data/parts/*.yaml")]
             if path.name in texts or path.parent.name in texts]
-    return named, [read(path) for path in of_config], [read(path) for path in data]
+    units = [read(path) for path in package.glob("test/ros/*_test.cpp")]
+    return named, [read(path) for path in of_config], [read(path) for path in data], units
 
 
 def is_about(named, message, messages):
@@ -168,18 +175,26 @@ def message_gaps(messages, tests):
                 yield f"{message.label}: constant {constant}"
 
 
-def key_gaps(keys, tests):
+def sets_in_struct(named, name, key):
+    return STRUCTS.get(name) in named.identifiers and any(
+        field == key and owner.rstrip("_") == "params" for owner, field in named.fields)
+
+
+def key_gaps(keys, tests, units):
     for name, known in keys.items():
         for key in sorted(known):
             is_named = (any(names_part_key(named, key, known) for named in tests) if name == "a part's yaml"
-                        else any(names_key(named, key, known) for named in tests))
+                        else any(names_key(named, key, known) for named in tests)
+                        or any(sets_in_struct(named, name, key) for named in units))
             if not is_named:
                 yield f"{name}: key {key}"
 
 
 def gaps(package):
-    tests, of_config, data = read_tests(package)
-    return [*message_gaps(read_messages(package), tests), *key_gaps(read_keys(package), tests + of_config + data)]
+    tests, of_config, data, units = read_tests(package)
+    found = [*message_gaps(read_messages(package), tests),
+             *key_gaps(read_keys(package), tests + of_config + data, units)]
+    return [gap for gap in found if gap not in UNREACHABLE]
 
 
 def main():

@@ -102,6 +102,14 @@ class Contracts(unittest.TestCase):
         launch = LAUNCH.replace("</launch>", '<param name="what" value="y"/></launch>')
         self.assertEqual(self.gaps_of(files={"test/ros/x_tester.cpp": text, "test/ros/x.test": launch}), [])
 
+    def test_a_struct_that_a_unit_test_sets_counts(self):
+        text = "void f() { HdrNodeParams params_; params_.depth = 2; }\n"
+        files = {"config/hdr.yaml": "depth: 1\n"}
+        self.assertEqual(self.gaps_of(files=files), ["hdr.yaml: key depth"])
+        self.assertEqual(self.gaps_of(files={**files, "test/ros/z_test.cpp": text}), [])
+        other = text.replace("HdrNodeParams", "OtherParams")
+        self.assertEqual(self.gaps_of(files={**files, "test/ros/z_test.cpp": other}), ["hdr.yaml: key depth"])
+
     def test_an_argument_of_a_launch_file_sets_its_parameter(self):
         launch = '<launch><arg name="to"/><param name="node/port" value="$(arg to)/x"/></launch>'
         include = '<include file="$(find here)/launch/node.launch">{}</include>'
