@@ -110,6 +110,15 @@ class Contracts(unittest.TestCase):
         other = text.replace("HdrNodeParams", "OtherParams")
         self.assertEqual(self.gaps_of(files={**files, "test/ros/z_test.cpp": other}), ["hdr.yaml: key depth"])
 
+    def test_aliases_of_python_are_followed(self):
+        text = TESTER.replace("EXPECT_EQ(response.status, Ask::Response::LOST);", "")
+        self.assertNotEqual(text, TESTER)
+        python = "import unittest\nfrom x import AskResponse{}\nassert {}.LOST\n"
+        for name, owner in (("", "AskRequest"), (" as Status", "Status"), ("\nStatus = AskResponse", "Status")):
+            found = ["Ask.srv response: constant LOST"] if owner == "AskRequest" else []
+            files = {"test/ros/x_tester.cpp": text, "test/ros/y.py": python.format(name, owner)}
+            self.assertEqual(self.gaps_of(files=files), found)
+
     def test_an_argument_of_a_launch_file_sets_its_parameter(self):
         launch = '<launch><arg name="to"/><param name="node/port" value="$(arg to)/x"/></launch>'
         include = '<include file="$(find here)/launch/node.launch">{}</include>'

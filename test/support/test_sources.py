@@ -80,6 +80,13 @@ def read_cpp(text):
 class PythonNames(ast.NodeVisitor):
     def __init__(self):
         self.named = Named()
+        self.other_names = {}  # alias -> what it stands for
+
+    def resolve(self):
+        """Constants and keywords under the names of what aliases stand for."""
+        for names in (self.named.constants, self.named.keywords):
+            names |= {(self.other_names[owner], name) for owner, name in names if owner in self.other_names}
+        return self.named
 
     @staticmethod
     def last_word(node):
@@ -102,6 +109,14 @@ class PythonNames(ast.NodeVisitor):
 
     def visit_alias(self, node):
         self.named.identifiers.add(node.name)
+        if node.asname:
+            self.other_names[node.asname] = node.name
+
+    def visit_Assign(self, node):
+        if isinstance(node.value, (ast.Name, ast.Attribute)):
+            for target in node.targets:
+                self.other_names[self.last_word(target)] = self.last_word(node.value)
+        self.generic_visit(node)
 
     def visit_Call(self, node):
         function = self.last_word(node.func)
@@ -134,7 +149,7 @@ class PythonNames(ast.NodeVisitor):
 def read_python(text):
     visitor = PythonNames()
     visitor.visit(ast.parse(text))
-    return visitor.named
+    return visitor.resolve()
 
 
 def read_launch(text):
