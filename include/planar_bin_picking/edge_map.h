@@ -51,7 +51,7 @@ struct Field {
 struct EdgeMap {
   std::vector<Field> fields;          ///< one for each scale that the parts need
   std::vector<std::size_t> field_of;  ///< by part: index into the fields
-  cv::Mat image;  ///< 8 bit; the caller's own where that has 8 bits, not copied
+  cv::Mat image;                      ///< 8 bit; the caller's own where that has 8 bits, not copied
   std::size_t edgels = 0;
   /// Standard deviation of the image's noise by grey level (256 steps of the full range), grey
   /// levels.

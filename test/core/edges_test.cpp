@@ -61,7 +61,8 @@ TEST(Edges, AFlatImageHasNone) {
   const EdgeMap map = edgesOf(cv::Mat(480, 640, CV_8U, cv::Scalar(90)), camera(true));
   EXPECT_EQ(map.edgels, 0u);
   ASSERT_FALSE(map.fieldOf(0).distance.empty());
-  EXPECT_EQ(*std::min_element(map.fieldOf(0).distance.begin(), map.fieldOf(0).distance.end()), kFarDistance);
+  EXPECT_EQ(*std::min_element(map.fieldOf(0).distance.begin(), map.fieldOf(0).distance.end()),
+            kFarDistance);
 }
 
 TEST(Edges, AStepIsFoundInPlaceAndDirection) {
@@ -102,7 +103,8 @@ TEST(Edges, TheLensIsUndone) {
     for (const double side : {-1.0, 1.0}) {
       // Half a field pixel each from the edgel's and the asked pixel's rounding, in either axis.
       EXPECT_LE(distanceAt(map.fieldOf(0), {side * 0.3, s * 0.22}, 0), 4.0 / 3.0) << s;
-      EXPECT_LE(distanceAt(map.fieldOf(0), {s * 0.3, side * 0.22}, kDirections / 2), 4.0 / 3.0) << s;
+      EXPECT_LE(distanceAt(map.fieldOf(0), {s * 0.3, side * 0.22}, kDirections / 2), 4.0 / 3.0)
+          << s;
     }
   }
 }
