@@ -102,6 +102,7 @@ TEST(PickKeeper, GivesTheNextInRankAfterAFailure) {
   Response response = report(&keeper, 1.0, "hinge_1", false);
   EXPECT_EQ(response.status, Response::NEXT);
   EXPECT_EQ(response.next.child_frame, "hinge_2");
+  EXPECT_EQ(response.message, "failed; next in rank: hinge_2");
   EXPECT_EQ(response.next.picks.size(), sent.offered.parts[1].picks.size());
   EXPECT_EQ(report(&keeper, 1.0, "hinge_1", false).status, Response::UNKNOWN_PART);
   response = report(&keeper, 1.0, "hinge_2", false);
@@ -317,6 +318,20 @@ TEST(PickKeeper, RefusesWhatLiesOutsideOfTheBin) {
   answer.result.detections[0].covariance(0, 0) = 4e-6;  // 2 mm
   EXPECT_TRUE(offer(&keeper, answer, binUpTo(0.1)).offered.refused.empty());
   EXPECT_TRUE(offer(&keeper, answerWith({lying(0.06, 0)}, 1.0)).offered.refused.empty());
+}
+
+TEST(PickKeeper, HoldsScoreAndVisibilityAgainstTheLimits) {
+  PickParams params;
+  params.score_min = 0.8, params.visible_min = 0.7;
+  PickKeeper keeper(params);
+  Answer answer = answerWith({lying(0, 0), lying(0.15, 0), lying(-0.15, 0)}, 1.0);
+  answer.result.detections[0].score = 0.75;
+  answer.result.detections[1].visible_fraction = 0.65;
+  const auto offered = offer(&keeper, answer).offered;
+  EXPECT_EQ(offered.parts.size(), 1u);
+  ASSERT_EQ(offered.refused.size(), 2u);
+  EXPECT_EQ(offered.refused[0].text, "score 0.75, at least 0.80");
+  EXPECT_EQ(offered.refused[1].text, "0.65 of it visible, at least 0.70");
 }
 
 TEST(PickKeeper, TiltIsAgainstTheFloorOrTheImagePlane) {

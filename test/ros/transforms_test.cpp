@@ -47,6 +47,7 @@ TEST(Lookup, MissingFrameGivesReason) {
   const LookupResult found = lookup(buffer, "world", "camera", ros::Time(10.0), kNoWait);
   EXPECT_FALSE(found.T_target_source);
   EXPECT_NE(found.reason.find("world"), std::string::npos) << found.reason;
+  EXPECT_EQ(found.reason.find_last_not_of(". ") + 1, found.reason.size()) << found.reason;
 }
 
 TEST(Lookup, NeverTakesTheLatestInstead) {
