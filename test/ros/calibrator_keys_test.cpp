@@ -3,7 +3,7 @@
 /// The keys below `run` and `solver` of config/calibrator.yaml: changed in the parameters as ROS
 /// has them, each changes what its comment there says.
 
-#include "load_params.h"
+#include "calibrator_params.h"
 #include "support/matchers.h"
 #include "support/simulated_run.h"
 
