@@ -82,10 +82,12 @@ TEST(Locator, AFarOriginChangesNothing) {
                                       requestFor({makePart("part", movedBy(plate, off_mm))}));
     ASSERT_FALSE(here.detections.empty());
     ASSERT_EQ(far.detections.size(), here.detections.size());
+    // At 11 km a coordinate is rounded to 2 nm, and a rounding may shift by one step where an
+    // iteration ends. Before, centres were up to 234 mm off.
     for (std::size_t i = 0; i < far.detections.size(); ++i) {
       EXPECT_EQ(far.detections[i].face, here.detections[i].face);
       EXPECT_TRUE(isometryNear(far.detections[i].T_camera_part * off,
-                               here.detections[i].T_camera_part, 1e-6, 1e-7));
+                               here.detections[i].T_camera_part, 1e-6, 1e-5));
     }
   }
 }
