@@ -3,6 +3,7 @@
 #include "planar_bin_picking/hough.h"
 
 #include "parallel.h"
+#include "part_size.h"
 #include "plane_pose.h"
 #include "vote_planes.h"
 
@@ -270,8 +271,12 @@ std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& tas
 
   const double most = kMaxVote * static_cast<double>(points.size());
   const int floor = static_cast<int>(std::ceil(params.votes_min * most));
+  // Slender parts lie side by side within one radius; each needs a tile of its own.
+  const int tile = std::max(
+      1,
+      static_cast<int>(std::lround(params.tile_cells * grainOf(*task.part) / task.part->radius())));
   std::vector<Candidate> out;
-  for (const Bin& bin : bestBins(planes, views, layouts, floor, params.tile_cells, threads)) {
+  for (const Bin& bin : bestBins(planes, views, layouts, floor, tile, threads)) {
     // The weaker half of a pair goes with the limit, too.
     if (out.size() + 2 > static_cast<std::size_t>(params.max_candidates)) break;
     addCandidates(bin, views[bin.view], task, params, field, planes, most, &out);

@@ -17,6 +17,12 @@ struct Extent {
 
 Extent extentOf(const PartModel& part);
 
+/// How near to one another two parts can lie side by side, metres: the width of a slender part, the
+/// radius of any other. Poses farther apart are of different parts.
+inline double grainOf(const PartModel& part) {
+  return std::min(part.radius(), extentOf(part).width);
+}
+
 /// Shorter ones are found where there are none: with a plate of the wrong unit 91 false ones at a
 /// length of 14 pixels, 6 at 39, one at 54, none at 77; real parts of 60 pixels are found.
 inline constexpr double kLeastLengthPx = 56.0;

@@ -3,6 +3,7 @@
 #include "planar_bin_picking/refine.h"
 
 #include "evidence.h"
+#include "part_size.h"
 #include "refine_field.h"
 #include "refiner.h"
 #include "visible_face.h"
@@ -31,6 +32,7 @@ Refiner::Refiner(const EdgeMap& edges, const Camera& camera, const RefineParams&
                            localPoints(*part, params.wide_points, is_shape),
                            localPoints(*part, params.image_points, is_shape)};
     outlines_.push_back({part.get(),
+                         grainOf(*part),
                          localPoints(*part, params.field_points, is_shape),
                          localPoints(*part, params.image_points, is_print),
                          {face, face}});

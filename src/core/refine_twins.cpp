@@ -56,14 +56,14 @@ std::vector<Tracked> Refiner::withoutTwins(std::vector<Tracked> poses, double di
 }
 
 std::vector<Tracked> Refiner::withoutOutdone(const std::vector<Tracked>& poses) const {
-  constexpr double kSamePlace = 0.35, kClearly = 0.12;  // radii; support
+  constexpr double kSamePlace = 0.35, kClearly = 0.12;  // of the part's grain; support
   std::vector<Tracked> kept;
   const auto centre = [&](const Tracked& p) -> Eigen::Vector3d {
     return p.T_camera_part * centreOf(*outlines_[p.part].part, p.face).translation();
   };
   for (const auto& p : poses) {
     const Eigen::Vector3d c = centre(p);
-    const double reach = kSamePlace * outlines_[p.part].part->radius() / c.z();
+    const double reach = kSamePlace * outlines_[p.part].grain / c.z();
     const bool outdone = std::any_of(poses.begin(), poses.end(), [&](const Tracked& o) {
       return o.part == p.part && o.support > p.support + kClearly &&
              (centre(o).hnormalized() - c.hnormalized()).norm() < reach;

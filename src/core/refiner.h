@@ -44,6 +44,7 @@ struct FaceOutline {
 /// What the levels need of a part, made once per call.
 struct Outline {
   const PartModel* part;
+  double grain;  // see grainOf
   std::vector<LocalPoint> field, print;
   std::array<FaceOutline, 2> faces;  // by Face
 
