@@ -18,6 +18,8 @@ from pathlib import Path
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
+PARTS = {'open': 'parts', 'hard': 'hard_parts'}
+TRUTH = {'open': 'truth', 'hard': 'hard_truth'}
 STAGE_LINE = re.compile(r'^(\w+)\s+(\d+\.\d+)\s*(\d+)?$')
 
 
@@ -27,6 +29,7 @@ def parse_arguments():
     parser.add_argument('names', nargs='*', help='only scenes whose name begins with one of these')
     parser.add_argument('--scenes', type=Path, default=ROOT / '../shared/scenes',
                         help='folder with open/, parts/ and evaluate.py')
+    parser.add_argument('--set', choices=('open', 'hard'), default='open', help='which of the scenes')
     parser.add_argument('--program', type=Path,
                         default=ROOT / 'build/devel/lib/planar_bin_picking/locate_image')
     parser.add_argument('--params', type=Path, default=ROOT / 'config/locator.yaml')
@@ -45,7 +48,8 @@ def command_for(scene, arguments):
     if arguments.overlay:
         command += ['--overlay', str(arguments.output / (scene.name + '.jpg'))]
     for part in wanted['parts']:
-        command += ['--part', str(arguments.scenes / 'parts' / (part + '.yaml'))]
+        file = arguments.scenes / PARTS[arguments.set] / (part + '.yaml')
+        command += ['--part', str(file if file.exists() else file.with_suffix('.dxf'))]
     return command
 
 
@@ -63,13 +67,13 @@ def run_one(command):
 
 def main():
     arguments = parse_arguments()
-    if not (arguments.scenes / 'open').is_dir():
+    if not (arguments.scenes / arguments.set).is_dir():
         print('no benchmark scenes at %s: nothing to measure' % arguments.scenes)
         return
     if not arguments.program.is_file():
         sys.exit('%s is not built; run ./run build first' % arguments.program)
     arguments.output.mkdir(parents=True, exist_ok=True)
-    scenes = sorted(path.parent for path in (arguments.scenes / 'open').glob('*/scene.yaml'))
+    scenes = sorted(path.parent for path in (arguments.scenes / arguments.set).glob('*/scene.yaml'))
     if arguments.names:
         scenes = [s for s in scenes if s.name.startswith(tuple(arguments.names))]
     for scene in scenes:
@@ -80,8 +84,8 @@ def main():
         print('%-24s %s  %4.0f MB' % (
             scene.name, '  '.join('%s %.0f' % item for item in stages.items()), peak_mb), flush=True)
     print('(milliseconds)\n')
-    subprocess.run(['/usr/bin/python3', str(arguments.scenes / 'evaluate.py'),
-                    '--gt'] + [str(s) for s in scenes] + ['--results', str(arguments.output)],
+    subprocess.run(['/usr/bin/python3', str(arguments.scenes / 'evaluate.py'), '--gt'] + [str(s) for s in scenes] +
+                   ['--results', str(arguments.output), '--parts', str(arguments.scenes / TRUTH[arguments.set])],
                    check=True)
 
 
