@@ -24,7 +24,7 @@ struct EdgesParams {
   double megapixels = 1.3;        ///< edges are sought in the image shrunk to about this size
   /// A part whose radius has more pixels than this is sought in an image that is shrunk until it
   /// has about so many: noise and the texture of floors average out, its outline does not.
-  double radius_px = 80.0;
+  double radius_px = 110.0;
   double direction_cost_px = 1.0;  ///< field pixels that one direction bin off counts as
 
   template <class Self, class Visit>
