@@ -180,5 +180,20 @@ TEST(Edges, LargeImagesAreShrunkByWholeNumbers) {
   }
 }
 
+// A part's radius gets about as many pixels as the parameter says, from above; parts of one scale
+// share a field.
+TEST(Edges, LargePartsAreSoughtInASmallerImage) {
+  const cv::Mat image = sim::takeImage(camera(true), sceneOf(bracketPlate(), {0, 0, 400, 30}));
+  EdgesParams params;
+  params.radius_px = 100.0;
+  const EdgeMap map =
+      findEdges(image, makeCamera(camera(true)), {40.0, 199.0, 350.0, 60.0}, params, 1);
+  ASSERT_EQ(map.fields.size(), 2u);
+  EXPECT_EQ(map.field_of, (std::vector<std::size_t>{0, 0, 1, 0}));
+  EXPECT_EQ(map.fieldOf(0).image_px, 2.0);
+  EXPECT_EQ(map.fieldOf(2).image_px, 6.0);
+  EXPECT_NEAR(map.fieldOf(2).width, map.fieldOf(0).width / 3.0, 3.0);
+}
+
 }  // namespace
 }  // namespace planar_bin_picking

@@ -158,5 +158,12 @@ TEST(PartSize, SmallPartsAreLocated) {
   for (const Detection& d : found) EXPECT_EQ(d.face, faceOf(d.T_camera_part));
 }
 
+// How near two of them can lie side by side: a bar's width, the radius of a part that is none.
+TEST(PartSize, TheGrainOfASlenderPartIsItsWidth) {
+  EXPECT_NEAR(grainOf(*makePart("bar", slenderPlate())), 0.010, 1e-6);
+  const auto bracket = makePart("bracket", bracketPlate());
+  EXPECT_NEAR(grainOf(*bracket), bracket->radius(), 1e-9);
+}
+
 }  // namespace
 }  // namespace planar_bin_picking
