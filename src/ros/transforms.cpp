@@ -22,6 +22,11 @@ std::string trimmed(std::string message) {
   return message;
 }
 
+/// tf2 knows frames without the slash that drivers of tf's first version put in front of them.
+std::string tf2Name(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
 /// The frame and all that it hangs on, at that moment, outward.
 std::vector<std::string> wayUp(const tf2::BufferCore& buffer, const std::string& frame,
                                const ros::Time& stamp) {
@@ -40,7 +45,7 @@ bool TransformBuffer::setTransform(const geometry_msgs::TransformStamped& transf
   if (!tf2::BufferCore::setTransform(transform, authority, is_static)) return false;
   if (is_static) return true;
   const std::lock_guard<std::mutex> lock(mutex_);
-  std::deque<ros::Time>& stamps = samples_[transform.child_frame_id];
+  std::deque<ros::Time>& stamps = samples_[tf2Name(transform.child_frame_id)];
   const ros::Time stamp = transform.header.stamp;
   stamps.insert(std::upper_bound(stamps.begin(), stamps.end(), stamp), stamp);
   const ros::Duration kept(tf2::BufferCore::DEFAULT_CACHE_TIME);

@@ -122,6 +122,14 @@ TEST(Lookup, LooksForGapsOnTheWayAlone) {
   EXPECT_TRUE(finds("flange", "camera"));
 }
 
+// Drivers of tf's first version say "/flange", tf2 keeps "flange".
+TEST(Lookup, KnowsGapsOfFramesWithASlashInFront) {
+  TransformBuffer buffer(0.2);
+  for (const double time : {10.0, 10.3}) set(buffer, time, 0.0, "/base", "/camera");
+  EXPECT_FALSE(lookup(buffer, "base", "camera", ros::Time(10.1), kNoWait).T_target_source);
+  EXPECT_TRUE(lookup(buffer, "base", "camera", ros::Time(10.3), kNoWait).T_target_source);
+}
+
 TEST(Lookup, KnowsSamplesThatCameOutOfOrder) {
   TransformBuffer buffer(0.2);
   for (const double time : {10.3, 10.0, 10.15}) set(buffer, time, 0.0);
