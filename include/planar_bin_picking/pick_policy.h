@@ -149,8 +149,10 @@ class PickPolicy {
   std::optional<Refused> dropBarred(const PickCandidate& candidate,
                                     const std::optional<PickBin>& bin,
                                     PickPlan::Offer* offer) const;
+  /// @param barred  of dropBarred()
   std::optional<Refused> refusal(const PickCandidate& candidate, const std::optional<PickBin>& bin,
-                                 const PickPlan::Offer& offer) const;
+                                 const PickPlan::Offer& offer,
+                                 const std::optional<Refused>& barred) const;
   /// The part's own, and what it does not say from the parameters.
   PickTool toolOf(const PickCandidate& candidate) const;
 

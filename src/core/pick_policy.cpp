@@ -160,7 +160,8 @@ std::optional<Refused> PickPolicy::dropBarred(const PickCandidate& candidate,
 
 std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
                                            const std::optional<PickBin>& bin,
-                                           const PickPlan::Offer& offer) const {
+                                           const PickPlan::Offer& offer,
+                                           const std::optional<Refused>& barred) const {
   const auto refuse = [&](PickRefusal reason, const std::string& text) {
     return Refused{offer.candidate, reason, text};
   };
@@ -180,6 +181,7 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
     return refuse(PickRefusal::kOccluded, format("%.2f of it visible, at least %.2f",
                                                  candidate.visible_fraction, params_.visible_min));
   }
+  if (barred && barred->reason == PickRefusal::kOccluded) return barred;
   if (candidate.tilt_deg > params_.tilt_max_deg) {
     return refuse(PickRefusal::kTilt, format("tilted by %.1f degrees, at most %.1f",
                                              candidate.tilt_deg, params_.tilt_max_deg));
@@ -188,7 +190,7 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
     return refuse(PickRefusal::kFailedBefore,
                   format("%d picks failed here, and the scene is as it was", offer.failures));
   }
-  return std::nullopt;
+  return barred;
 }
 
 PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
@@ -197,8 +199,7 @@ PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     PickPlan::Offer offer{i, {}, recall(candidates[i])};
     const auto barred = dropBarred(candidates[i], bin, &offer);
-    auto refused = refusal(candidates[i], bin, offer);
-    if (!refused) refused = barred;
+    const auto refused = refusal(candidates[i], bin, offer, barred);
     if (refused) {
       plan.refused.push_back(*refused);
     } else {

@@ -90,7 +90,7 @@ TEST(PickPolicy, KeepsThePickPosesThatTheToolCanReach) {
 
 TEST(PickPolicy, LeavesOutPickPosesThatSomethingCovers) {
   PickParams params;
-  params.tool_radius = 0.01;
+  params.tool_radius = 0.01, params.tilt_max_deg = 30.0;
   PickPolicy policy(params);
   PickCandidate candidate = candidateAt(0, 0);
   candidate.T_target_pick = {downAt(0, 0, 0.01), downAt(0.05, 0, 0.01)};
@@ -101,12 +101,13 @@ TEST(PickPolicy, LeavesOutPickPosesThatSomethingCovers) {
   ASSERT_EQ(plan.offers.size(), 1u);
   EXPECT_EQ(plan.offers[0].picks, std::vector<std::size_t>({1}));
   candidate.face.covered.emplace_back(0.03, 0.0);
+  candidate.tilt_deg = 31.0;  // is told after what covers it
   const auto none = policy.plan({candidate}, binOf400x300());
   ASSERT_EQ(none.refused.size(), 1u);
   EXPECT_EQ(none.refused[0].reason, PickRefusal::kOccluded);
   EXPECT_NE(none.refused[0].text.find("0.010 m"), std::string::npos) << none.refused[0].text;
-  params.tool_radius = 0.0;  // nothing is known about the tool
-  EXPECT_EQ(PickPolicy(params).plan({candidate}, std::nullopt).offers.size(), 1u);
+  // Nothing is known about the tool.
+  EXPECT_EQ(PickPolicy(PickParams()).plan({candidate}, std::nullopt).offers.size(), 1u);
 }
 
 TEST(PickPolicy, LooksAtTheWholeShaft) {
