@@ -34,9 +34,10 @@ const std::vector<std::string> kAnnotation = {
     // Dutch
     "*HARTLIJN*", "*STREEP*", "*STIPPEL*", "*VERBORGEN*", "*ONDERBROKEN*",
     // Polish, Czech, Slovak, Hungarian
-    "*KRESK*", "*PUNKTOW*", "*OSIOW*", "*UKRYT*", "*\u010c\u00c1RKOV*", "*CARKOV*", "*\u010cERCH*",
-    "*CERCH*", "*STRED*", "*ST\u0158ED*", "*SKRYT*", "*TE\u010cKOV*", "*TECKOV*", "*BODKOV*", "*OS",
-    "*OSA*", "*SZAGGAT*", "*TAKART*", "*K\u00d6Z\u00c9P*",
+    "*KRESK*", "*PUNKTOW*", "*OSIOW*", "*UKRYT*", "*PRZERYW*", "*P\u0158ERU\u0160*",
+    "*PRERU\u0160*", "*\u010c\u00c1RKOV*", "*CARKOV*", "*\u010cERCH*", "*CERCH*", "*STRED*",
+    "*ST\u0158ED*", "*SKRYT*", "*TE\u010cKOV*", "*TECKOV*", "*BODKOV*", "*OS", "*OSA*", "*SZAGGAT*",
+    "*TAKART*", "*K\u00d6Z\u00c9P*",
     // Swedish, Danish, Norwegian, Finnish
     "*STREK*", "*PRICK*", "*SKJULT*", "*DOLD*", "*PRIK*", "*KATKO*", "*KESKI*",
     // Russian, Japanese, Chinese

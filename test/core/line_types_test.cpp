@@ -28,7 +28,7 @@ TEST_F(LineTypes, OfAnnotationAreKnownInManyLanguages) {
         "CACHÉ",         "INTERROMPU",     "CENTRO",         "OCULTA",      "TRAZOS",
         "TRAZO_Y_PUNTO", "TRATTEGGIATA",   "NASCOSTA",       "ASSE",        "HARTLIJN",
         "STREEPLIJN",    "KRESKOWA",       "OSIOWA",         "ČÁRKOVANÁ",   "čerchovaná",
-        "ОСЕВАЯ",        "штриховая"}) {
+        "PRZERYWANA",    "přerušovaná",    "ОСЕВАЯ",         "штриховая"}) {
     const Drawing drawing = circle(name);
     EXPECT_EQ(drawing.loops.size(), 1u) << name;
     EXPECT_EQ(drawing.left_out,
