@@ -8,6 +8,7 @@
 #include <locale>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace planar_bin_picking {
 namespace {
@@ -33,6 +34,16 @@ bool isUnit(double factor, double mm_per_unit) {
 bool isPowerOfTen(double factor) {
   const double power = std::log10(factor);
   return std::abs(power - std::round(power)) < 1e-6;
+}
+
+/// Where the factor is that of another unit to the millimetre, that is the likelier reason.
+std::string unitHint(double factor) {
+  for (const auto& [unit, mm] :
+       {std::pair("inch", 25.4), std::pair("cm", 10.0), std::pair("m", 1000.0)})
+    if (isSame(factor, mm))
+      return std::string(". If it is drawn in another unit, write units: ") + unit +
+             " into the part file";
+  return "";
 }
 
 /// $DIMLFAC of this dimension: its own, its style's, or the header's. Negative ones are for the
@@ -94,7 +105,8 @@ double sheetScale(const DxfFile& file, double mm_per_unit, std::vector<std::stri
     throw std::runtime_error(
         what +
         ": the sheet seems not to be drawn 1:1; scale the part to its size, or "
-        "delete the dimensions if they are wrong");
+        "delete the dimensions if they are wrong" +
+        unitHint(first.scale));
   }
   warnings->push_back(what + ", and $DIMLFAC is " + number(first.scale) +
                       ": read as a sheet on which the part is to be taken times " +

@@ -56,6 +56,16 @@ TEST_F(SheetScale, IsRefusedWhereOnlyTheDimensionSaysSo) {
   EXPECT_TRUE(refused(plate(3, {{42, 120}}), {"120", "60"}));
 }
 
+TEST_F(SheetScale, OfAnotherUnitIsRefusedWithARemedyThatHelps) {
+  const DxfGroups shown_in_mm = {{1, "1524"}};
+  EXPECT_TRUE(refused(plate(1, shown_in_mm, 0), {"1524", "60", "units: inch"}));
+  DrawingParams inch;
+  inch.units = "inch";
+  EXPECT_TRUE(boxNear(load(plate(1, shown_in_mm, 0), inch).loops.at(0), 0, 0, 1524, 1016));
+  EXPECT_TRUE(refused(plate(1, {{1, "600"}}), {"units: cm"}));
+  EXPECT_FALSE(refused(plate(1, {{1, "120"}}), {"units:"}));
+}
+
 TEST_F(SheetScale, IsDoubtedWhereDimensionsDisagree) {
   DxfWriter dxf = plate(1, {{42, 120}});
   dxf.entity("DIMENSION", "DIM", {{70, 1}, {13, 0}, {23, 0}, {14, 0}, {24, 40}, {42, 40}});
