@@ -43,8 +43,9 @@ struct DrawingParams {
                                           "TEXT*", "BORDER*", "DEFPOINTS"};
   /// Front face only.
   std::vector<std::string> print_layers = {
-      "PRINT*",   "SILK*",      "ENGRAV*",     "ETCH*",       "GRAVIR*",    "GRAV\u00cdR*",
-      "GRAVUR*",  "GRAVIER*",   "GRAVER*",     "MARKING*",    "MARKIER*",   "SCRIB*",
+      "PRINT*",   "SILK*",      "*ENGRAV*",    "ETCH*",       "GRAVIR*",      "GRAV\u00cdR*",
+      "GRAVUR*",  "GRAVIER*",   "GRAVER*",     "GRAVAD*",     "GRAVA\u00c7*", "GRAWER*",
+      "INCIS*",   "MARKING*",   "MARKIER*",    "MARQUAGE*",   "BESCHRIFT*",   "SCRIB*",
       "GRABADO*", "LASERMARK*", "LASER-MARK*", "LASER_MARK*", "LASER MARK*"};
   double chord_tolerance_mm = 0.01;  ///< curves become chords that stay this close to them
   double join_tolerance_mm = 0.05;   ///< end points closer than this belong together

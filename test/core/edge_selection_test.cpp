@@ -156,8 +156,10 @@ TEST_F(EdgeSelectionTest, KeepsLayersWhateverTheirLineTypes) {
 
 TEST_F(EdgeSelectionTest, TakesClosedEngravingsForPrints) {
   for (const char* layer :
-       {"ETCH", "etching", "GRAVIR", "GRAVÍR", "gravír", "GRAVUR", "MARKING", "SCRIBE", "SCRIBING",
-        "ENGRAVING", "ENGRAVED", "LASERMARK", "Laser-Mark", "SILKSCREEN", "PRINTS"})
+       {"ETCH",      "etching",      "GRAVIR",    "GRAVÍR",       "gravír",     "GRAVUR",
+        "MARKING",   "SCRIBE",       "SCRIBING",  "ENGRAVING",    "ENGRAVED",   "Laser Engrave",
+        "V-ENGRAVE", "GRAVADO",      "GRAVAÇÃO",  "Grawerowanie", "INCISIONE",  "Inciso",
+        "marquage",  "Beschriftung", "LASERMARK", "Laser-Mark",   "SILKSCREEN", "PRINTS"})
     EXPECT_EQ(count(load(plate().rectangle(20, 10, 40, 30, layer)), LoopKind::kPrint), 1) << layer;
   for (const char* layer : {"SKETCH", "CUT2", "REMARK"})
     EXPECT_EQ(count(load(plate().rectangle(20, 10, 40, 30, layer)), LoopKind::kHole), 1) << layer;
