@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
 #include <stdexcept>
 #include <system_error>
 
@@ -53,18 +52,20 @@ std::string whyNotOpened(const fs::path& folder, const fs::path& path) {
 struct Found {
   std::map<std::string, fs::path> files;      ///< part name -> the file to load it from
   std::map<std::string, std::string> errors;  ///< part name -> why it has none
+  std::map<std::string, std::string>
+      owners;  ///< drawing that is no part itself -> part that has it
 };
 
 /// Parts in yaml files, and the drawings that these name. What else is wrong with a file, loading
 /// it says.
 void findYamlParts(const fs::path& folder, const std::vector<fs::path>& yamls,
-                   std::set<fs::path>* claimed, Found* found) {
+                   std::map<fs::path, std::string>* claimed, Found* found) {
   for (const fs::path& yaml : yamls) {
     const std::string name = yaml.stem().string();
     std::string error = whyNotOpened(folder, yaml);
     if (error.empty()) {
       const auto drawing = planar_bin_picking::drawingNamedBy(yaml.string());
-      if (drawing) claimed->insert(*drawing);
+      if (drawing) claimed->emplace(*drawing, name);
     }
     if (error.empty()) {
       found->files[name] = yaml;
@@ -82,11 +83,13 @@ Found findParts(const fs::path& folder) {
   }
   std::sort(yamls.begin(), yamls.end());  // whatever order the file system has them in
   Found found;
-  std::set<fs::path> claimed;
+  std::map<fs::path, std::string> claimed;
   findYamlParts(folder, yamls, &claimed, &found);
   for (const auto& drawing : drawings) {
     const std::string name = drawing.stem().string();
-    if (claimed.count(drawing.lexically_normal()) > 0 || found.errors.count(name) > 0) continue;
+    const auto owner = claimed.find(drawing.lexically_normal());
+    if (owner != claimed.end()) found.owners.emplace(name, owner->second);
+    if (owner != claimed.end() || found.errors.count(name) > 0) continue;
     const std::string error = whyNotOpened(folder, drawing);
     if (error.empty()) {
       found.files.emplace(name, drawing);
@@ -120,6 +123,7 @@ PartLibrary::PartLibrary(const std::string& folder) : folder_(folder) {
     throw std::runtime_error("parts folder '" + folder + "' has neither *.dxf nor *.yaml in it");
   }
   errors_ = found.errors;
+  owners_ = found.owners;
   for (const auto& [name, file] : found.files) {
     try {
       parts_[name] =
@@ -144,6 +148,12 @@ std::vector<PartPtr> PartLibrary::select(const std::string& name) const {
   if (error != errors_.end()) {
     refuse("part '" + name + "' could not be loaded: " + error->second +
            "; correct the file and restart the node");
+  }
+  const auto owner = owners_.find(name);
+  if (owner != owners_.end()) {
+    refuse("there is no part '" + name + "': its drawing is that of part '" + owner->second +
+           "', whose file names it; ask for that part, or write the file " + name + ".yaml, too, " +
+           "and restart the node");
   }
   refuse("there is no part '" + name + "' in " + folder_ + " (there is: " + names(parts_) +
          "); add its drawing and restart the node");

@@ -35,6 +35,7 @@ class PartLibrary {
   std::string folder_;
   std::map<std::string, PartPtr> parts_;
   std::map<std::string, std::string> errors_;
+  std::map<std::string, std::string> owners_;  ///< drawing that is no part itself -> its part
 };
 
 }  // namespace planar_bin_picking_ros

@@ -39,6 +39,7 @@ TEST(PartLibrary, YamlTakesItsDrawing) {
   folder.write("angle.yaml", "drawing: drawing_7.dxf\nthickness_mm: 3\n");
   const PartLibrary library(folder.path(""));
   EXPECT_EQ(names(library.select("")), std::vector<std::string>{"angle"});
+  EXPECT_TRUE(refuses([&] { library.select("drawing_7"); }, {"drawing_7", "part 'angle'"}));
 }
 
 TEST(PartLibrary, BadPartDoesNotHinderOthers) {
