@@ -65,7 +65,7 @@ void checkTimes(const LocatePart::Request& request) {
   if (request.timeout < ros::Duration(0))
     refuse("timeout is negative; zero means the cell's image_timeout");
   if (request.timeout.toSec() > kLongestWait)
-    refuse("timeout is " + std::to_string(request.timeout.toSec()) + " s; it may be an hour long");
+    refuse("timeout is " + std::to_string(request.timeout.toSec()) + " s; an hour is the most");
   const ros::Time now = ros::Time::now();
   if (!now.isZero() && request.not_before.toSec() - now.toSec() > kLongestWait) {
     refuse("not_before lies " + std::to_string(request.not_before.toSec() - now.toSec()) +
