@@ -11,7 +11,7 @@
 #include "image_source.h"
 #include "planar_bin_picking/calibration_file.h"
 #include "robot_mover.h"
-#include "transforms.h"
+#include "transform_listener.h"
 
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>

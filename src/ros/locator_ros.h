@@ -15,7 +15,7 @@
 #include "part_library.h"
 #include "pick_keeper.h"
 #include "planar_bin_picking/locator.h"
-#include "transforms.h"
+#include "transform_listener.h"
 
 #include <planar_bin_picking/LocatePart.h>
 #include <ros/callback_queue.h>

@@ -4,7 +4,6 @@
 
 #include "convert.h"
 
-#include <ros/console.h>
 #include <tf2/exceptions.h>
 
 #include <algorithm>
@@ -93,26 +92,6 @@ std::optional<std::string> TransformBuffer::gapAt(const std::string& target,
   for (const std::string& frame : from_source)
     if (const auto gap = gapOf(frame, stamp)) return gap;
   return std::nullopt;
-}
-
-TransformListener::TransformListener(TransformBuffer& buffer)
-    : buffer_(buffer), spinner_(1, &queue_) {
-  constexpr int kQueue = 100;  // as tf2's own listener has it
-  nh_.setCallbackQueue(&queue_);
-  tf_ = nh_.subscribe<tf2_msgs::TFMessage>(
-      "/tf", kQueue, [this](const tf2_msgs::TFMessageConstPtr& m) { take(*m, false); });
-  tf_static_ = nh_.subscribe<tf2_msgs::TFMessage>(
-      "/tf_static", kQueue, [this](const tf2_msgs::TFMessageConstPtr& m) { take(*m, true); });
-  spinner_.start();
-}
-
-void TransformListener::take(const tf2_msgs::TFMessage& message, const bool is_static) {
-  if (clock_.wentBack()) {
-    ROS_WARN("ROS time was set back: what tf said before is forgotten");
-    buffer_.clear();
-  }
-  for (const auto& transform : message.transforms)
-    buffer_.setTransform(transform, is_static ? "/tf_static" : "/tf", is_static);
 }
 
 LookupResult lookup(const TransformBuffer& buffer, const std::string& target,

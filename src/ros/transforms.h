@@ -6,13 +6,9 @@
 /// identity, never "the latest one", and nothing made up between two samples that are far apart:
 /// tf2 interpolates over any gap, and a robot whose tf was silent may have been anywhere.
 
-#include "clock_watch.h"
-
-#include <ros/callback_queue.h>
-#include <ros/node_handle.h>
-#include <ros/spinner.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/time.h>
 #include <tf2/buffer_core.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include <Eigen/Geometry>
 
@@ -52,26 +48,6 @@ class TransformBuffer : public tf2::BufferCore {
   const double gap_max_;
   mutable std::mutex mutex_;
   std::map<std::string, std::deque<ros::Time>> samples_;  ///< by child frame, ascending
-};
-
-/// Fills a buffer from /tf and /tf_static in a thread of its own. When ROS time was set back, it
-/// forgets what it had, static transforms aside.
-class TransformListener {
- public:
-  explicit TransformListener(TransformBuffer& buffer);
-  ~TransformListener() { spinner_.stop(); }
-  TransformListener(const TransformListener&) = delete;
-  TransformListener& operator=(const TransformListener&) = delete;
-
- private:
-  void take(const tf2_msgs::TFMessage& message, bool is_static);
-
-  TransformBuffer& buffer_;
-  ClockWatch clock_;
-  ros::CallbackQueue queue_;
-  ros::NodeHandle nh_;
-  ros::Subscriber tf_, tf_static_;
-  ros::AsyncSpinner spinner_;
 };
 
 struct LookupResult {

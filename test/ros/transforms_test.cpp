@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "transforms.h"
 
+#include "clock_watch.h"
 #include "convert.h"
 #include "support/matchers.h"
 
