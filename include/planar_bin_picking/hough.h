@@ -10,36 +10,12 @@
 /// time. Tilt tolerance: besides the tolerance of the cells, tilted views are voted for, too.
 
 #include "planar_bin_picking/edge_map.h"
+#include "planar_bin_picking/params.h"
 #include "planar_bin_picking/part_model.h"
 
 #include <vector>
 
 namespace planar_bin_picking {
-
-struct HoughParams {
-  double radius_cells = 14.0;    ///< cells of the accumulator along the part's radius
-  double tolerance_cells = 1.0;  ///< an edgel this far off still counts a little
-  double yaw_step_deg = 5.0;
-  double distance_step = 0.06;  ///< relative
-  double tilt_max_deg = 40.0;
-  int raster_points = 80;  ///< along the outline
-  double votes_min = 0.3;  ///< share of the highest possible vote
-  int tile_cells = 4;
-  int max_candidates = 800;
-
-  template <class Self, class Visit>
-  static void fields(Self& self, Visit&& visit) {
-    visit("radius_cells", self.radius_cells, 4.0, 64.0);
-    visit("tolerance_cells", self.tolerance_cells, 0.25, 4.0);
-    visit("yaw_step_deg", self.yaw_step_deg, 0.5, 30.0);
-    visit("distance_step", self.distance_step, 0.005, 0.5);
-    visit("tilt_max_deg", self.tilt_max_deg, 0.0, 60.0);
-    visit("raster_points", self.raster_points, 16, 85);
-    visit("votes_min", self.votes_min, 0.0, 1.0);
-    visit("tile_cells", self.tile_cells, 1, 64);
-    visit("max_candidates", self.max_candidates, 2, 100000);
-  }
-};
 
 /// What of a part is looked for.
 struct HoughTask {

@@ -12,6 +12,7 @@
 /// lies on another part is off the plane and dropped.
 
 #include "planar_bin_picking/camera.h"
+#include "planar_bin_picking/params.h"
 #include "planar_bin_picking/part_model.h"
 #include "planar_bin_picking/types.h"
 
@@ -21,39 +22,8 @@
 
 namespace planar_bin_picking {
 
-struct PlaneParams {
-  double distance = 0.0;  ///< metres from the camera's centre, along the normal; 0 = no plane
-  /// Camera frame, toward the camera, any length.
-  double normal_x = 0.0, normal_y = 0.0, normal_z = -1.0;
-  double sigma = 0.0005;        ///< metres, of a face's height: of plane and thickness together
-  double sigma_tilt_deg = 0.2;  ///< of a face against the plane: of plane and part together
-  double gate = 6.0;            ///< sigmas off the plane from which on a pose is dropped
-
-  template <class Self, class Visit>
-  static void fields(Self& self, Visit&& visit) {
-    visit("distance", self.distance, 0.0, 100.0);
-    visit("normal_x", self.normal_x, -1.0, 1.0);
-    visit("normal_y", self.normal_y, -1.0, 1.0);
-    visit("normal_z", self.normal_z, -1.0, -0.1);
-    visit("sigma", self.sigma, 1e-6, 0.1);
-    visit("sigma_tilt_deg", self.sigma_tilt_deg, 0.001, 45.0);
-    visit("gate", self.gate, 1.0, 1000.0);
-  }
-};
-
-/// The points x of the camera frame with normal . x = -distance.
-struct Plane {
-  Eigen::Vector3d normal_camera = -Eigen::Vector3d::UnitZ();  ///< unit, toward the camera
-  double distance = 0.0;                                      ///< metres, > 0
-};
-
 /// @return  nothing where params.distance is 0
 std::optional<Plane> planeOf(const PlaneParams& params);
-
-/// Metres along the optical axis.
-struct Distances {
-  double min = 0.0, max = 0.0;
-};
 
 /// Where faces that lie flat on the plane can be seen in the image, within the distances given.
 /// @return  nothing where they lie outside of these

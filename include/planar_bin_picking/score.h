@@ -11,27 +11,13 @@
 
 #include "planar_bin_picking/camera.h"
 #include "planar_bin_picking/edge_map.h"
+#include "planar_bin_picking/params.h"
 #include "planar_bin_picking/part_model.h"
 
 #include <memory>
 #include <vector>
 
 namespace planar_bin_picking {
-
-struct ScoreParams {
-  double threshold = 0.65;        ///< detections below are not returned
-  double reach_px = 1.5;          ///< an edge this far off the outline no longer supports it
-  int points = 256;               ///< along each of outer contour, holes, print
-  double visible_reach_px = 2.5;  ///< the same, for what counts as seen
-
-  template <class Self, class Visit>
-  static void fields(Self& self, Visit&& visit) {
-    visit("threshold", self.threshold, 0.0, 1.0);
-    visit("reach_px", self.reach_px, 0.2, 10.0);
-    visit("points", self.points, 32, 2048);
-    visit("visible_reach_px", self.visible_reach_px, 0.2, 10.0);
-  }
-};
 
 /// @return  as many as refined, in the same order
 std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,

@@ -42,6 +42,17 @@ enum class Face : std::uint8_t { kFront, kBack };
 /// Which faces a caller accepts.
 enum class FaceFilter : std::uint8_t { kAny, kFront, kBack };
 
+/// Metres along the optical axis.
+struct Distances {
+  double min = 0.0, max = 0.0;
+};
+
+/// The points x of the camera frame with normal . x = -distance.
+struct Plane {
+  Eigen::Vector3d normal_camera = -Eigen::Vector3d::UnitZ();  ///< unit, toward the camera
+  double distance = 0.0;                                      ///< metres, > 0
+};
+
 /// A rough pose from voting: off by cells and steps, mostly false.
 struct Candidate {
   std::size_t part = 0;  ///< index into the parts given to Locator::locate
