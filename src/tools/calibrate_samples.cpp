@@ -4,10 +4,10 @@
 /// Calibrates camera and hand-eye from pictures and robot poses on disk, with no ROS master.
 /// Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.
 
+#include "base/yaml_file.h"
 #include "command_line.h"
-#include "yaml_file.h"
 
-#include "planar_bin_picking/calibration_file.h"
+#include "planar_bin_picking/calibrate/calibration_file.h"
 
 #include <filesystem>
 

@@ -5,7 +5,7 @@
 /// What the command line tools have in common: options of the form `--name value`, and one line on
 /// stderr with exit status 2 for whatever is wrong with what they were given.
 
-#include "regular_file.h"
+#include "base/regular_file.h"
 
 #include <unistd.h>
 

@@ -6,7 +6,7 @@
 
 #include "command_line.h"
 
-#include "planar_bin_picking/part_summary.h"
+#include "planar_bin_picking/part/part_summary.h"
 
 #include <cstdio>
 #include <exception>

@@ -4,11 +4,11 @@
 /// Locates parts in one picture on disk, with no ROS master.
 /// Exit status: 0, even if nothing was found; 2, with one line on stderr, on bad input.
 
+#include "base/yaml_text.h"
 #include "command_line.h"
-#include "yaml_text.h"
 
-#include "planar_bin_picking/locator.h"
-#include "planar_bin_picking/overlay.h"
+#include "planar_bin_picking/locate/locator.h"
+#include "planar_bin_picking/show/overlay.h"
 
 #include <unistd.h>
 

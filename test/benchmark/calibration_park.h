@@ -4,8 +4,8 @@
 
 /// The solver against OpenCV's Park on the same corners, and both against what is possible.
 
+#include "calibrate/hand_eye/normal_equations.h"
 #include "calibration_statistics.h"
-#include "hand_eye_normal.h"
 
 #include <opencv2/calib3d.hpp>
 

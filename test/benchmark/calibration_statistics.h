@@ -4,7 +4,7 @@
 
 /// What the tables of calibration.cpp are made of: errors against the truth.
 
-#include "hand_eye_start.h"
+#include "calibrate/hand_eye/closed_form.h"
 #include "support/board_problem.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 /// `exposures/` and a file to write, what it makes of them:
 /// `./run bench hdr FOLDER OUT.png [compression [white_percentile]]`.
 
-#include "planar_bin_picking/hdr.h"
+#include "planar_bin_picking/image/hdr.h"
 
 #include <yaml-cpp/yaml.h>
 

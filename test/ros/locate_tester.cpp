@@ -13,7 +13,7 @@
 ///   camera_frame, recall_min, precision_min, lateral_max_mm, depth_max_mm, angle_max_deg
 ///   cases/<name>/...   all of the above but truth, once per case, for --gtest_filter=Cases.*
 
-#include "convert.h"
+#include "shared/convert.h"
 #include "support/matchers.h"
 #include "truth.h"
 

@@ -7,7 +7,7 @@
 
 #include "plate_image.h"
 
-#include "planar_bin_picking/se3.h"
+#include "planar_bin_picking/base/se3.h"
 
 #include <cmath>
 #include <random>

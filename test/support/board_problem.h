@@ -4,7 +4,7 @@
 
 /// The simulated cell's observations as the solver takes them.
 
-#include "planar_bin_picking/hand_eye.h"
+#include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
 #include "sim/board_cell.h"
 
 namespace planar_bin_picking {

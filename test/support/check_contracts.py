@@ -22,7 +22,7 @@ STRUCTS = {"hdr.yaml": "HdrNodeParams", "cell.yaml": "CellParams", "calibrator.y
 # Whatever provokes it through the interface is a fault to be mended.
 UNREACHABLE = {"LocatePart.srv response: constant INTERNAL_ERROR"}
 PICK_KEYS = {"name", "face", "symmetric"}
-PART_KEYS_IN = "src/core/part_file.cpp"
+PART_KEYS_IN = "src/core/part/part_file.cpp"
 
 
 class Message:
@@ -65,7 +65,7 @@ def read_keys(package):
         inner = {p for p, value in flatten(tree) if value is None}
         keys[path.name] = {p for p, _ in flatten(tree)} - inner
         keys[path.name] |= set(re.findall(r"^# (\w+): \S", text, re.MULTILINE))
-    for path in package.glob("src/ros/*_params.h"):
+    for path in package.glob("src/ros/**/*_params.h"):
         name = path.stem.replace("_node_params", "").replace("_params", "") + ".yaml"
         if name in keys:
             keys[name] |= set(re.findall(r'visit\("(\w+)"', path.read_text()))
@@ -91,8 +91,8 @@ def read_tests(package):
              for path in folder.glob(pattern)]
     tests += [path for folder in ros for path in folder.glob("*.py")
               if path not in tests and re.search(r"^\s*import (?:unittest|rostest)", path.read_text(), re.MULTILINE)]
-    of_config = [*package.glob("test/ros/config_test.cpp"), *package.glob("test/ros/load_params_test.cpp"),
-                 *package.glob("test/core/*_keys_test.cpp"), *package.glob("test/ros/*_keys_test.cpp"),
+    of_config = [*package.glob("test/ros/**/config_test.cpp"), *package.glob("test/ros/**/load_params_test.cpp"),
+                 *package.glob("test/core/**/*_keys_test.cpp"), *package.glob("test/ros/**/*_keys_test.cpp"),
                  *package.glob("test/tools/*_test.cpp"), *package.glob("test/tools/*_test.py")]
     named = [read(path) for path in tests]
     # What testers import is a part of them.
@@ -102,7 +102,7 @@ def read_tests(package):
     data = [path for path in [*package.glob("test/ros/**/*.y*ml"), *package.glob("test/sim/*.yaml"),
                               *package.glob("test/data/parts/*.yaml")]
             if path.name in texts or path.parent.name in texts]
-    units = [read(path) for path in package.glob("test/ros/*_test.cpp")]
+    units = [read(path) for path in package.glob("test/ros/**/*_test.cpp")]
     return named, [read(path) for path in of_config], [read(path) for path in data], units
 
 

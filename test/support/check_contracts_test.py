@@ -36,7 +36,7 @@ PART = "drawing: a.dxf\ncolour: red\npick_poses: [{position_mm: [0, 0, 0]}]\n"
 class Contracts(unittest.TestCase):
     def gaps_of(self, **changed):
         files = {"msg/Made.msg": MESSAGE, "srv/Ask.srv": SERVICE, "config/node.yaml": CONFIG,
-                 "src/core/part_file.cpp": SOURCE, "test/ros/x_tester.cpp": TESTER, "test/ros/x.test": LAUNCH,
+                 "src/core/part/part_file.cpp": SOURCE, "test/ros/x_tester.cpp": TESTER, "test/ros/x.test": LAUNCH,
                  "test/ros/parts_here/a.yaml": PART}
         files.update({name: contents for name, contents in changed.pop("files", {}).items()})
         with tempfile.TemporaryDirectory() as folder:
@@ -65,7 +65,7 @@ class Contracts(unittest.TestCase):
             self.assertEqual(self.gaps_of(files={"config/node.yaml": CONFIG + more}), [f"node.yaml: key {gap}"])
 
     def test_a_made_up_key_of_a_part_is_a_gap(self):
-        self.assertEqual(self.gaps_of(files={"src/core/part_file.cpp": SOURCE.replace("colour", "colour\", \"depth")}),
+        self.assertEqual(self.gaps_of(files={"src/core/part/part_file.cpp": SOURCE.replace("colour", "colour\", \"depth")}),
                          ["a part's yaml: key depth"])
 
     def test_words_in_comments_do_not_count(self):

@@ -4,8 +4,8 @@
 
 /// What the tests of drawings share: they write a DXF file as text, read it and look at its loops.
 
-#include "planar_bin_picking/drawing.h"
-#include "polygon.h"
+#include "base/polygon.h"
+#include "planar_bin_picking/drawing/drawing.h"
 #include "support/dxf_writer.h"
 #include "support/matchers.h"
 #include "support/temp_dir.h"

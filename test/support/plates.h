@@ -4,8 +4,8 @@
 
 /// Plates that the tests of the stages look for, and what those stages need to know of them.
 
-#include "planar_bin_picking/camera.h"
-#include "planar_bin_picking/part_model.h"
+#include "planar_bin_picking/image/camera.h"
+#include "planar_bin_picking/part/part_model.h"
 #include "sim/plate_image.h"
 
 #include <algorithm>

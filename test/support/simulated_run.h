@@ -4,7 +4,7 @@
 
 /// A whole calibration in the simulated cell: corners instead of pictures, a robot that may refuse.
 
-#include "planar_bin_picking/calibration_run.h"
+#include "planar_bin_picking/calibrate/calibration_run.h"
 #include "support/board_problem.h"
 
 namespace planar_bin_picking {

@@ -4,9 +4,9 @@
 
 /// Drawn scenes taken through the stages, for the tests of the later ones.
 
-#include "planar_bin_picking/edges.h"
-#include "planar_bin_picking/refine.h"
-#include "planar_bin_picking/score.h"
+#include "image/edges.h"
+#include "locate/judge/score.h"
+#include "locate/refine/refine.h"
 #include "support/plates.h"
 
 namespace planar_bin_picking {

@@ -3,7 +3,7 @@
 /// Each key of a part file changes what is read of the part, as describe_part prints it, or the
 /// pick poses that the node answers. The tool's height shows at a pick alone: test/ros.
 
-#include "planar_bin_picking/part_model.h"
+#include "planar_bin_picking/part/part_model.h"
 #include "support/dxf_writer.h"
 #include "support/tool_test.h"
 

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// What a calibration leaves on disk. Its files are replaced together or not at all, and those that
+/// they replace are kept beside them as `<name>.before`.
+
+#include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
+
+#include <string>
+
+namespace planar_bin_picking {
+
+/// The names that go into the files.
+struct CalibrationNames {
+  std::string camera_name = "camera";   ///< in camera_info.yaml
+  std::string mount_frame = "flange";   ///< tf frame: the flange, or the base for a fixed camera
+  std::string camera_frame = "camera";  ///< tf frame of the camera, optical
+};
+
+/// Writes into the folder (made if it is not there):
+///  - `calibration.yaml`: verdict, reasons and all numbers, whatever the verdict
+///  - `report.html`: the same for people
+///  - unless REFUSED, `camera_info.yaml` in the ROS format and `hand_eye.yaml`, a static transform
+/// Numbers have points, whatever the process's locale.
+/// @throws std::runtime_error  what cannot be written and why; the former calibration stands whole
+void saveCalibration(const std::string& folder, const HandEyeProblem& problem,
+                     const HandEyeResult& result, const CalibrationNames& names);
+
+/// Makes the folder and tries to write in it, so that a calibration need not fail at its end.
+/// @throws std::runtime_error  what cannot be made or written, and why
+void checkCalibrationFolder(const std::string& folder);
+
+/// A static transform as `hand_eye.yaml` has it.
+struct HandEyeFile {
+  std::string parent_frame, child_frame;
+  Eigen::Isometry3d T_parent_child = Eigen::Isometry3d::Identity();
+};
+
+/// @throws std::runtime_error  naming file, key and value
+HandEyeFile loadHandEye(const std::string& path);
+
+/// One page for people: verdict, numbers, residuals, coverage of the image, poses, views. HTML with
+/// drawings in it; needs nothing else.
+std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult& result);
+
+}  // namespace planar_bin_picking

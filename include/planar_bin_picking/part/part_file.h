@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// A part as its user describes it: a drawing, and optionally a few lines of YAML beside it.
+
+#include "planar_bin_picking/drawing/drawing.h"
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// Where the robot's tool goes, relative to the part; its z points into the part.
+struct PickPose {
+  std::string name;
+  FaceFilter face = FaceFilter::kAny;  ///< the face that must be up for it
+  Eigen::Isometry3d T_part_pick = Eigen::Isometry3d::Identity();
+  bool symmetric = true;  ///< where the part looks the same after a turn, it can go there, too
+};
+
+/// The tool that picks a part, as a cylinder about the pick pose's z. Where nothing is said,
+/// PickParams says it.
+struct PickTool {
+  std::optional<double> radius;  ///< metres
+  std::optional<double> height;  ///< metres over the contact; what is above it is free; 0 = no end
+};
+
+/// Everything a user said about a part.
+struct PartFile {
+  std::string name;  ///< the stem of the file
+  Drawing drawing;
+  double thickness = 0.0;            ///< metres; 0 where unknown
+  std::vector<PickPose> pick_poses;  ///< in order of preference
+  PickTool tool;
+  std::vector<std::string> warnings;  ///< about pick poses; those of the drawing stand in `drawing`
+};
+
+/// A YAML file that has nothing to do with parts, such as a result or a camera's calibration that
+/// lies in the parts folder. The text says what it seems to be.
+class NoPartFile : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads `<name>.yaml` or `<name>.yml` (keys: drawing, thickness_mm, units, join_tolerance_mm,
+/// keep_layers, skip_layers, print_layers, pick_poses, tool_radius_mm, tool_height_mm) or a drawing
+/// alone. A drawing beside which a part file of the same stem lies is read with it. Nothing outside
+/// of the folder of `path` is read, whatever links and relative paths say.
+/// @throws NoPartFile          YAML that is no part file
+/// @throws std::runtime_error  naming file, key, value and remedy: unknown keys, two part files of
+///         one stem, what is no regular file, a pick pose whose z does not point into the part
+PartFile loadPartFile(const std::string& path);
+
+/// The path of the drawing that a part file names, in the form of lexically_normal(); nothing where
+/// it is no part file or cannot be read, which loadPartFile explains.
+std::optional<std::string> drawingNamedBy(const std::string& part_file);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// A part prepared for the stages: outline samples, symmetry and everything else that depends on
+/// the drawing alone. Made once per part, immutable, shared.
+
+#include "planar_bin_picking/base/types.h"
+#include "planar_bin_picking/drawing/symmetry.h"
+#include "planar_bin_picking/part/face_grid.h"
+#include "planar_bin_picking/part/part_file.h"
+#include "planar_bin_picking/part/pick_poses.h"
+
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// One point of the outline, in the part frame's x and y.
+struct OutlinePoint {
+  Eigen::Vector2d position;  ///< metres
+  Eigen::Vector2d normal;    ///< unit, out of the material (for a print: to the right of the line)
+  int loop = 0;              ///< index into Drawing::loops
+  LoopKind kind = LoopKind::kOuter;
+};
+
+/// A turn of the part (also upside down) after which most of its outline lies on itself again: a
+/// sprocket's other teeth, a plate's other way round, the face that only a print tells from the
+/// other. A pose that was found could as well be any of these.
+struct Lookalike {
+  Eigen::Isometry3d T_part_lookalike = Eigen::Isometry3d::Identity();
+  bool flips = false;  ///< shows the other face
+  bool exact = false;  ///< the shape is symmetric; only the print differs
+  /// Shape points (indices into outline()) of the lookalike that lie off the part's own outline,
+  /// and the reverse: only these can tell the two apart.
+  std::vector<int> only_lookalike, only_part;
+};
+
+class PartModel {
+ public:
+  /// @throws std::invalid_argument  an outline without an outer loop, a negative thickness
+  explicit PartModel(PartFile file);
+
+  const std::string& name() const { return file_.name; }
+  const PartFile& file() const { return file_; }
+  const Symmetry& symmetry() const { return symmetry_; }
+  double thickness() const { return file_.thickness; }
+  double radius() const { return radius_; }  ///< of the circle about center(), metres
+  const Eigen::Vector2d& center() const { return center_; }  ///< of the bounding box
+  /// Those of the file with their symmetric copies, see withSymmetricCopies.
+  const std::vector<PickPose>& pickPoses() const { return pick_poses_; }
+  bool hasPrint() const { return has_print_; }
+  /// Evenly spaced along all loops, loop by loop, in order; prints at the end.
+  const std::vector<OutlinePoint>& outline() const { return outline_; }
+  const FaceGrid& faceGrid() const { return face_grid_; }
+  const std::vector<Lookalike>& lookalikes() const { return lookalikes_; }
+  /// Order of the rotations after which the shape is all but the same (a sprocket's teeth): voting
+  /// need not tell these apart. 0 = full circle; at least symmetry().order.
+  int nearOrder() const { return near_order_; }
+  /// z of a face in the part frame: 0 for the front, -thickness for the back.
+  double faceZ(Face face) const { return face == Face::kFront ? 0.0 : -thickness(); }
+
+ private:
+  PartFile file_;
+  Symmetry symmetry_;
+  Eigen::Vector2d center_ = Eigen::Vector2d::Zero();
+  double radius_ = 0.0;
+  bool has_print_ = false;
+  std::vector<PickPose> pick_poses_;
+  std::vector<OutlinePoint> outline_;
+  FaceGrid face_grid_;
+  std::vector<Lookalike> lookalikes_;
+  int near_order_ = 1;
+};
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,167 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Detections -> what the robot is offered, in which order, and why the rest is refused.
+///
+/// An instance at which a pick failed is not offered first again until the scene around it has
+/// changed, or the robot would try the same in vain for ever: a small picture of its surroundings
+/// is kept with each failure and held against the new image. Frame `target` is that of the answers.
+
+#include "planar_bin_picking/base/types.h"
+#include "planar_bin_picking/part/part_file.h"
+#include "planar_bin_picking/pick/surroundings.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking {
+
+struct PickParams {
+  double score_min = 0.0;      ///< parts below are refused, over and above the score's threshold
+  double visible_min = 0.0;    ///< share of the visible face
+  double tilt_max_deg = 90.0;  ///< of the face against the bin's floor, or against the image plane
+  /// Of the tool, where the part's file names no other: metres; 0 = neither walls nor what covers
+  /// the part are looked at.
+  double tool_radius = 0.0;
+  double tool_height = 0.0;     ///< metres over the contact that are so wide; 0 = no end
+  double wall_clearance = 0.0;  ///< metres between tool and wall on top of it
+  int failures_max = 2;         ///< at one instance in an unchanged scene; then it is refused
+  double same_place = 0.003;    ///< metres within which a detection is the instance that failed
+  double changed_grey = 12.0;   ///< grey levels, mean over its surroundings, that are a change
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("score_min", self.score_min, 0.0, 1.0);
+    visit("visible_min", self.visible_min, 0.0, 1.0);
+    visit("tilt_max_deg", self.tilt_max_deg, 0.0, 90.0);
+    visit("tool_radius", self.tool_radius, 0.0, 1.0);
+    visit("tool_height", self.tool_height, 0.0, 10.0);
+    visit("wall_clearance", self.wall_clearance, 0.0, 1.0);
+    visit("failures_max", self.failures_max, 1, 1000);
+    visit("same_place", self.same_place, 0.0, 1.0);
+    visit("changed_grey", self.changed_grey, 0.0, 255.0);
+  }
+};
+
+enum class PickRefusal {
+  kLowScore,        ///< score below score_min
+  kOccluded,        ///< visible share below visible_min, or no pick pose that nothing covers
+  kTilt,            ///< steeper than tilt_max_deg
+  kWall,            ///< at each of its pick poses the tool would touch the bin's wall
+  kFailedBefore,    ///< failures_max picks failed, and nothing has changed about it since
+  kOutside,         ///< outside of the asked distances or of the bin's box
+  kNoPickPose,      ///< its file has pick poses, none of them for the face that is up
+  kWrongFace,       ///< the other face is up than was asked for
+  kBeyondMaxParts,  ///< would be offered, but for the number that was asked for
+};
+
+/// The bin's inner space as a box; tools come and go through its top.
+struct PickBin {
+  Eigen::Isometry3d T_bin_target = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d min = Eigen::Vector3d::Zero(), max = Eigen::Vector3d::Zero();  ///< bin frame
+};
+
+/// The face of a part that is up, and what is seen to cover it (src/core/locate/judge/occlusion.h).
+struct PickFace {
+  Eigen::Isometry3d T_target_part = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Vector2d> covered;  ///< middles of the cells that something covers, part frame
+  double cell_size = 0.0;                ///< metres
+};
+
+/// What the policy has to know about one detection.
+struct PickCandidate {
+  std::string part;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< of the visible face, target frame
+  /// Of `center`, m^2, target frame: how far out of the bin's box it may seem to lie by chance.
+  Eigen::Matrix3d center_covariance = Eigen::Matrix3d::Zero();
+  /// Why it is not to be offered whatever the policy says: found, and not what was asked for.
+  std::optional<PickRefusal> withheld;
+  std::string withheld_text;  ///< the numbers behind it
+  double score = 0.0, visible_fraction = 0.0;
+  double tilt_deg = 0.0;
+  /// Origin = contact, z = stroke of the tool, into the part. May be empty: nothing to check.
+  std::vector<Eigen::Isometry3d> T_target_pick;
+  /// Where its file has pick poses and none fits the face that is up: which there are; else "".
+  std::string other_picks;
+  PickFace face;
+  PickTool tool;  ///< in place of the parameters', where it says something
+  Surroundings surroundings;
+};
+
+struct Refused {
+  std::size_t candidate = 0;
+  PickRefusal reason = PickRefusal::kLowScore;
+  std::string text;  ///< the numbers behind it
+};
+
+struct PickPlan {
+  struct Offer {
+    std::size_t candidate = 0;
+    /// Of its pick poses, those at which the tool touches neither the bin's wall nor a cover.
+    std::vector<std::size_t> picks;
+    int failures = 0;
+  };
+  /// As given, but what failed before comes last.
+  std::vector<Offer> offers;
+  std::vector<Refused> refused;  ///< as given; those beyond the number asked for at the end
+};
+
+/// How far out of the bin's box a face's centre may seem to lie along one of its axes: where the
+/// box stands is known to so much, and on top of it the position to three sigmas, within limits.
+/// @param sigma  of the centre along that axis, metres
+double boxMargin(double sigma);
+
+/// Remembers failures. Not thread-safe.
+class PickPolicy {
+ public:
+  /// @throws std::invalid_argument  a field out of its range: key, value, allowed
+  explicit PickPolicy(const PickParams& params);
+
+  /// The first rule that a candidate breaks is its reason: withheld, outside of the bin, no pick
+  /// pose, then the parameters, and last the number of parts.
+  /// @param candidates  best first
+  /// @param bin         nothing: neither the box nor its walls are looked at
+  /// @param max_parts   offered at most; 0 = all
+  /// Failures whose scene has changed are forgotten.
+  PickPlan plan(const std::vector<PickCandidate>& candidates, const std::optional<PickBin>& bin,
+                std::size_t max_parts = 0);
+
+  void fail(const PickCandidate& candidate);
+  /// A part has gone: what failed below or beside it shows it by its changed surroundings.
+  void succeed(const PickCandidate& candidate);
+
+  const PickParams& params() const { return params_; }
+
+ private:
+  struct Failure {
+    std::string part;
+    Eigen::Vector3d center;
+    Surroundings surroundings;
+    int count;
+  };
+  Failure* find(const PickCandidate& candidate);
+  /// How often picks failed there in the scene as it is; forgets them where it has changed.
+  int recall(const PickCandidate& candidate);
+  /// Leaves out picks at which the tool would touch the bin's wall or what covers the part.
+  /// @return  why none is left, if so
+  std::optional<Refused> dropBarred(const PickCandidate& candidate,
+                                    const std::optional<PickBin>& bin,
+                                    PickPlan::Offer* offer) const;
+  /// @param barred  of dropBarred()
+  std::optional<Refused> refusal(const PickCandidate& candidate, const std::optional<PickBin>& bin,
+                                 const PickPlan::Offer& offer,
+                                 const std::optional<Refused>& barred) const;
+  /// The part's own, and what it does not say from the parameters.
+  PickTool toolOf(const PickCandidate& candidate) const;
+
+  PickParams params_;
+  std::vector<Failure> failures_;
+};
+
+/// What to do when parts were found and none can be offered: each reason's, the most frequent
+/// first.
+std::string deadlockHint(const std::vector<Refused>& refused);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,312 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planar_bin_picking/calibrate/checkerboard.h"
+
+#include "planar_bin_picking/image/grey.h"
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace planar_bin_picking {
+namespace {
+
+cv::Mat checkedGrey(const cv::Mat& image) {
+  if (image.empty() || image.channels() != 1 ||
+      (image.depth() != CV_8U && image.depth() != CV_16U)) {
+    throw std::invalid_argument("checkerboard: the image is empty or not grey of 8 or 16 bit");
+  }
+  return toEightBits(image);
+}
+
+/// The image made smaller by a whole number, and its corners back in full size. Corners are refined
+/// in the full image anyway.
+struct Shrunk {
+  cv::Mat image;
+  float factor = 1.0F;
+
+  Shrunk(const cv::Mat& full, int largest) {
+    const int whole = (std::max(full.cols, full.rows) + largest - 1) / largest;
+    factor = static_cast<float>(whole);
+    image = full;
+    if (whole > 1) cv::resize(full, image, {}, 1.0 / whole, 1.0 / whole, cv::INTER_AREA);
+  }
+  /// Pixel (0, 0) is a pixel's centre in both.
+  void restore(std::vector<cv::Point2f>* corners) const {
+    for (cv::Point2f& p : *corners) {
+      p = {(p.x + 0.5F) * factor - 0.5F, (p.y + 0.5F) * factor - 0.5F};
+    }
+  }
+};
+
+std::vector<cv::Point2f> sectorBased(const cv::Mat& image, const cv::Size& size) {
+  const Shrunk small(image, 1400);
+  std::vector<cv::Point2f> corners;
+  if (!cv::findChessboardCornersSB(small.image, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) {
+    return {};
+  }
+  small.restore(&corners);
+  return corners;
+}
+
+/// The classic detector takes a minute and more to give up where a board is partly visible in a
+/// grainy image (87 s at 0.8 Mpx); in a small and smooth one it takes about a second.
+std::vector<cv::Point2f> classic(const cv::Mat& image, const cv::Size& size) {
+  Shrunk small(image, 700);
+  cv::GaussianBlur(small.image, small.image, {}, 1.0);
+  std::vector<cv::Point2f> corners;
+  const int flags =
+      cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
+  if (!cv::findChessboardCorners(small.image, size, corners, flags)) return {};
+  small.restore(&corners);
+  return corners;
+}
+
+const cv::Point2f& at(const std::vector<cv::Point2f>& corners, const Board& board, int col,
+                      int row) {
+  return corners[static_cast<std::size_t>(row * board.cols + col)];
+}
+
+/// Length of the shortest side of a square in the image.
+double shortestSide(const std::vector<cv::Point2f>& corners, const Board& board) {
+  double shortest = 1e9;
+  for (int r = 0; r < board.rows; ++r) {
+    for (int c = 0; c < board.cols; ++c) {
+      const cv::Point2f& p = at(corners, board, c, r);
+      if (c > 0) shortest = std::min(shortest, cv::norm(p - at(corners, board, c - 1, r)));
+      if (r > 0) shortest = std::min(shortest, cv::norm(p - at(corners, board, c, r - 1)));
+    }
+  }
+  return shortest;
+}
+
+/// Right-handed as seen from the front: the columns' direction is the rows' turned clockwise.
+void makeRightHanded(const Board& board, std::vector<cv::Point2f>* corners) {
+  const cv::Point2f along = at(*corners, board, board.cols - 1, 0) - at(*corners, board, 0, 0);
+  const cv::Point2f down = at(*corners, board, 0, board.rows - 1) - at(*corners, board, 0, 0);
+  if (along.x * down.y - along.y * down.x > 0.0F) return;
+  for (int r = 0; r < board.rows; ++r) {
+    const auto begin = corners->begin() + r * board.cols;
+    std::reverse(begin, begin + board.cols);
+  }
+}
+
+float grey(const cv::Mat& image, const cv::Point2f& p) {
+  cv::Mat pixel;
+  cv::getRectSubPix(image, {3, 3}, p, pixel);
+  return static_cast<float>(cv::mean(pixel)[0]);
+}
+
+/// Whether light and dark squares meet crosswise at every corner. A detector may take for corners
+/// what the edge of the paper and the outermost squares form.
+bool allCrossings(const cv::Mat& image, const Board& board,
+                  const std::vector<cv::Point2f>& corners) {
+  for (int r = 0; r < board.rows; ++r) {
+    for (int c = 0; c < board.cols; ++c) {
+      const int c0 = std::max(0, c - 1), c1 = std::min(board.cols - 1, c + 1);
+      const int r0 = std::max(0, r - 1), r1 = std::min(board.rows - 1, r + 1);
+      const cv::Point2f p = at(corners, board, c, r);
+      const cv::Point2f u = (0.3F / static_cast<float>(c1 - c0)) *
+                            (at(corners, board, c1, r) - at(corners, board, c0, r));
+      const cv::Point2f v = (0.3F / static_cast<float>(r1 - r0)) *
+                            (at(corners, board, c, r1) - at(corners, board, c, r0));
+      const std::pair<float, float> one =
+          std::minmax<float>(grey(image, p + u + v), grey(image, p - u - v));
+      const std::pair<float, float> two =
+          std::minmax<float>(grey(image, p + u - v), grey(image, p - u + v));
+      if (!(one.first > two.second || two.first > one.second)) return false;
+    }
+  }
+  return true;
+}
+
+std::vector<cv::Point2f> search(const cv::Mat& image, const Board& board) {
+  const cv::Size size(board.cols, board.rows);
+  // The sector-based detector wants 3 corners a side.
+  std::vector<cv::Point2f> corners;
+  if (board.cols > 2 && board.rows > 2) corners = sectorBased(image, size);
+  if (!corners.empty() && allCrossings(image, board, corners)) return corners;
+  corners = classic(image, size);
+  return !corners.empty() && allCrossings(image, board, corners) ? corners
+                                                                 : std::vector<cv::Point2f>();
+}
+
+/// How much darker the first square is than its neighbours.
+float darknessOfFirst(const cv::Mat& image, const Board& board,
+                      const std::vector<cv::Point2f>& corners) {
+  float dark = 0.0F;
+  for (int r = 0; r + 1 < board.rows; ++r) {
+    for (int c = 0; c + 1 < board.cols; ++c) {
+      const cv::Point2f centre =
+          0.25F * (at(corners, board, c, r) + at(corners, board, c + 1, r) +
+                   at(corners, board, c, r + 1) + at(corners, board, c + 1, r + 1));
+      // Of an even number of squares in a row each has a partner of the other colour.
+      dark += ((c + r) % 2 == 0 ? -1.0F : 1.0F) * (grey(image, centre) - 127.5F);
+    }
+  }
+  return dark;
+}
+
+/// Turned by 90 degrees; for boards with as many columns as rows.
+std::vector<cv::Point2f> quarterTurn(const Board& board, const std::vector<cv::Point2f>& corners) {
+  std::vector<cv::Point2f> out(corners.size());
+  for (int r = 0; r < board.rows; ++r) {
+    for (int c = 0; c < board.cols; ++c) {
+      out[static_cast<std::size_t>(r * board.cols + c)] = at(corners, board, board.cols - 1 - r, c);
+    }
+  }
+  return out;
+}
+
+/// Where colours tell one end from the other, the first square is the dark one.
+void startAtDark(const cv::Mat& image, const Board& board, std::vector<cv::Point2f>* corners) {
+  if (darknessOfFirst(image, board, *corners) >= 0.0F) return;
+  if ((board.cols + board.rows) % 2 != 0) {
+    std::reverse(corners->begin(), corners->end());
+  } else if (board.cols == board.rows && board.cols % 2 != 0) {
+    *corners = quarterTurn(board, *corners);
+  }
+}
+
+/// Spread of the blurred edge between two squares: contrast over its steepest slope, taken across
+/// the middle of sides all over the board.
+double edgeWidth(const cv::Mat& image, const Board& board, const std::vector<cv::Point2f>& corners,
+                 double side) {
+  const int reach = std::max(3, static_cast<int>(0.35 * side));
+  std::vector<double> widths;
+  for (int r = 0; r < board.rows; ++r) {
+    for (int c = 0; c + 1 < board.cols; ++c) {
+      const cv::Point2f a = at(corners, board, c, r), b = at(corners, board, c + 1, r);
+      const cv::Point2f along = b - a, across(-along.y, along.x);
+      const cv::Point2f step = across * (0.5F / static_cast<float>(cv::norm(across)));
+      std::vector<float> profile;
+      for (int k = -2 * reach; k <= 2 * reach; ++k) {
+        cv::Mat pixel;
+        cv::getRectSubPix(image, {1, 1}, 0.5F * (a + b) + static_cast<float>(k) * step, pixel,
+                          CV_32F);
+        profile.push_back(pixel.at<float>(0));
+      }
+      float steepest = 0.0F;
+      for (std::size_t k = 2; k < profile.size(); ++k) {
+        steepest = std::max(steepest, std::abs(profile[k] - profile[k - 2]));
+      }
+      const auto [low, high] = std::minmax_element(profile.begin(), profile.end());
+      // A blurred step of height h and spread s has the slope h / (s * sqrt(2 pi)).
+      if (steepest > 0.0F) widths.push_back((*high - *low) / steepest / 2.5066);
+    }
+  }
+  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), middle, widths.end());
+  return widths.empty() ? 0.0 : *middle;
+}
+
+/// Half the side of the window in which corners are refined: as large as it can be without reaching
+/// the neighbours, since every pixel of an edge counts.
+int windowOf(double side) { return std::clamp(static_cast<int>(0.35 * side), 2, 25); }
+
+}  // namespace
+
+void validate(const Board& board) {
+  const auto refuse = [](const std::string& what, double value, const std::string& expected) {
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << "board: " << what << " is " << value << ", must be " << expected;
+    throw std::invalid_argument(text.str());
+  };
+  const std::string corners = "2 .. 100 inner corners (one less than there are squares)";
+  if (board.cols < 2 || board.cols > 100) refuse("cols", board.cols, corners);
+  if (board.rows < 2 || board.rows > 100) refuse("rows", board.rows, corners);
+  if (!(board.square >= 1e-4 && board.square <= 10.0)) {
+    refuse("square", board.square, "0.0001 .. 10 metres");
+  }
+}
+
+Board parseBoard(const std::string& text, double square) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  Board board;
+  char by = 0;
+  if (!(in >> board.cols >> by >> board.rows) || by != 'x' || in.get() != EOF) {
+    throw std::invalid_argument("board is \"" + text +
+                                "\", must be its inner corners as COLSxROWS, such as 9x6");
+  }
+  board.square = square;
+  validate(board);
+  return board;
+}
+
+BoardSighting findBoard(const cv::Mat& image, const Board& board, double blur_max) {
+  validate(board);
+  const cv::Mat grey_image = checkedGrey(image);
+  BoardSighting out;
+  std::vector<cv::Point2f> corners = search(grey_image, board);
+  if (corners.empty()) return out;
+  makeRightHanded(board, &corners);
+  startAtDark(grey_image, board, &corners);
+  out.square_px = shortestSide(corners, board);
+  const int window = windowOf(out.square_px);
+  cv::cornerSubPix(grey_image, corners, {window, window}, {-1, -1},
+                   {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 100, 1e-4});
+  out.edge_px = edgeWidth(grey_image, board, corners, out.square_px);
+  if (out.edge_px > blur_max) {
+    out.status = BoardSighting::Status::kBlurred;
+    return out;
+  }
+  out.status = BoardSighting::Status::kFound;
+  for (const cv::Point2f& p : corners) out.corners.emplace_back(p.x, p.y);
+  return out;
+}
+
+std::vector<std::vector<std::size_t>> orderings(const Board& board) {
+  std::vector<std::size_t> identity(board.size());
+  for (std::size_t i = 0; i < identity.size(); ++i) identity[i] = i;
+  std::vector<std::vector<std::size_t>> out{identity};
+  if ((board.cols + board.rows) % 2 != 0) return out;
+  const bool quarter = board.cols == board.rows && board.cols % 2 == 0;
+  if (!quarter) {
+    out.emplace_back(identity.rbegin(), identity.rend());
+    return out;
+  }
+  for (int turn = 1; turn < 4; ++turn) {
+    std::vector<std::size_t> turned(identity.size());
+    for (int r = 0; r < board.rows; ++r) {
+      for (int c = 0; c < board.cols; ++c) {
+        turned[static_cast<std::size_t>(r * board.cols + c)] =
+            out.back()[static_cast<std::size_t>(c * board.cols + board.cols - 1 - r)];
+      }
+    }
+    out.push_back(turned);
+  }
+  return out;
+}
+
+std::string findOtherBoard(const std::vector<cv::Mat>& images, const Board& board) {
+  std::vector<cv::Mat> some;  // evenly spread: nobody needs all of them to see a miscount
+  const std::size_t step = std::max<std::size_t>(1, images.size() / 6);
+  for (std::size_t i = 0; i < images.size(); i += step) some.push_back(checkedGrey(images[i]));
+  for (const auto& [dc, dr] : {std::pair(-1, -1),
+                               {-1, 0},
+                               {0, -1},
+                               {1, 0},
+                               {0, 1},
+                               {1, 1},
+                               {-1, 1},
+                               {1, -1},
+                               {-2, -2},
+                               {2, 2}}) {
+    const cv::Size size(board.cols + dc, board.rows + dr);
+    if (size.width < 3 || size.height < 3) continue;
+    const auto seen = std::count_if(some.begin(), some.end(), [&](const cv::Mat& image) {
+      return !sectorBased(image, size).empty();
+    });
+    if (2 * static_cast<std::size_t>(seen) <= some.size()) continue;
+    return std::to_string(size.width) + "x" + std::to_string(size.height);
+  }
+  return "";
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What can be said of the views before anything is solved: camera, board poses, orderings, wrong
+// pairs.
+
+#include "base/scatter.h"
+#include "calibrate/hand_eye/closed_form.h"
+
+#include <opencv2/calib3d.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace planar_bin_picking {
+namespace {
+
+std::vector<cv::Point3f> objectPoints(const Board& board) {
+  std::vector<cv::Point3f> points;
+  for (std::size_t i = 0; i < board.size(); ++i) {
+    const Eigen::Vector3d x = board.corner(i);
+    points.emplace_back(static_cast<float>(x.x()), static_cast<float>(x.y()), 0.0F);
+  }
+  return points;
+}
+
+std::vector<cv::Point2f> imagePoints(const std::vector<Eigen::Vector2d>& corners) {
+  std::vector<cv::Point2f> points;
+  for (const Eigen::Vector2d& p : corners) {
+    points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  }
+  return points;
+}
+
+struct CvCamera {
+  cv::Mat_<double> K, distortion;
+};
+
+CvCamera toOpenCv(const Camera::Model& camera) {
+  CvCamera out{cv::Mat_<double>::eye(3, 3), cv::Mat_<double>::zeros(1, 8)};
+  out.K(0, 0) = camera.fx;
+  out.K(1, 1) = camera.fy;
+  out.K(0, 2) = camera.cx;
+  out.K(1, 2) = camera.cy;
+  for (std::size_t i = 0; i < camera.distortion.size() && i < 8; ++i) {
+    out.distortion(static_cast<int>(i)) = camera.distortion[i];
+  }
+  return out;
+}
+
+Eigen::Isometry3d fromOpenCv(const cv::Mat_<double>& rvec, const cv::Mat_<double>& tvec) {
+  const Eigen::Vector3d w(rvec(0), rvec(1), rvec(2));
+  const double angle = w.norm();
+  const Eigen::Vector3d axis = angle > 0.0 ? Eigen::Vector3d(w / angle) : Eigen::Vector3d::UnitZ();
+  return rigid(Eigen::AngleAxisd(angle, axis).toRotationMatrix(),
+               Eigen::Vector3d(tvec(0), tvec(1), tvec(2)));
+}
+
+/// A board turned onto its ordering k: T_camera_board of the reordered corners is T * turn(k).
+Eigen::Matrix3d turnOf(std::size_t k, std::size_t count) {
+  const double angle =
+      2.0 * 3.14159265358979323846 * static_cast<double>(k) / static_cast<double>(count);
+  return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
+double angleError(const Motion& a, const Motion& b, const Eigen::Matrix3d& turn) {
+  const double robot = rotationAngle(a.robot.linear() * b.robot.linear().transpose());
+  const double board = rotationAngle(a.board.linear() * turn * b.board.linear().transpose());
+  return std::abs(robot - board);
+}
+
+}  // namespace
+
+Eigen::Isometry3d robotSide(Mounting mounting, const Eigen::Isometry3d& T_base_flange) {
+  return mounting == Mounting::kEyeInHand ? T_base_flange.inverse() : T_base_flange;
+}
+
+std::array<double, 9> firstCamera(const HandEyeProblem& problem) {
+  if (problem.camera) return fromModel(*problem.camera);
+  std::vector<std::vector<cv::Point3f>> objects;
+  std::vector<std::vector<cv::Point2f>> images;
+  for (const Sighting& sighting : problem.sightings) {
+    objects.push_back(objectPoints(problem.board));
+    images.push_back(imagePoints(sighting.corners));
+  }
+  const cv::Size size(problem.width, problem.height);
+  cv::Mat_<double> K = cv::initCameraMatrix2D(objects, images, size, 1.0);
+  // Views that hardly tilt say nothing of the focal length: start with a usual lens then.
+  const double usual = 1.2 * problem.width;
+  if (!(K(0, 0) > 0.2 * problem.width && K(0, 0) < 20.0 * problem.width)) {
+    K = (cv::Mat_<double>(3, 3) << usual, 0, 0.5 * (problem.width - 1), 0, usual,
+         0.5 * (problem.height - 1), 0, 0, 1);
+  }
+  cv::Mat_<double> distortion = cv::Mat_<double>::zeros(1, 5);
+  std::vector<cv::Mat> rotations, translations;
+  const int flags = cv::CALIB_USE_INTRINSIC_GUESS | cv::CALIB_FIX_ASPECT_RATIO |
+                    cv::CALIB_FIX_PRINCIPAL_POINT | cv::CALIB_ZERO_TANGENT_DIST | cv::CALIB_FIX_K2 |
+                    cv::CALIB_FIX_K3;
+  cv::calibrateCamera(objects, images, size, K, distortion, rotations, translations, flags);
+  return {K(0, 0), K(1, 1), K(0, 2), K(1, 2), distortion(0), 0.0, 0.0, 0.0, 0.0};
+}
+
+std::optional<Eigen::Isometry3d> boardPose(const Camera::Model& camera, const Board& board,
+                                           const std::vector<Eigen::Vector2d>& corners) {
+  const CvCamera cv_camera = toOpenCv(camera);
+  cv::Mat_<double> rvec, tvec;
+  const bool solved = cv::solvePnP(objectPoints(board), imagePoints(corners), cv_camera.K,
+                                   cv_camera.distortion, rvec, tvec, false, cv::SOLVEPNP_IPPE);
+  if (!solved || !cv::checkRange(rvec) || !cv::checkRange(tvec)) return std::nullopt;
+  return boardPoseNear(camera, board, corners, fromOpenCv(rvec, tvec));
+}
+
+Eigen::Isometry3d boardPoseNear(const Camera::Model& camera, const Board& board,
+                                const std::vector<Eigen::Vector2d>& corners,
+                                const Eigen::Isometry3d& T_camera_board) {
+  const CvCamera cv_camera = toOpenCv(camera);
+  const Eigen::Vector3d w = rotationVector(T_camera_board.linear()),
+                        t = T_camera_board.translation();
+  cv::Mat_<double> rvec = (cv::Mat_<double>(3, 1) << w.x(), w.y(), w.z());
+  cv::Mat_<double> tvec = (cv::Mat_<double>(3, 1) << t.x(), t.y(), t.z());
+  cv::solvePnP(objectPoints(board), imagePoints(corners), cv_camera.K, cv_camera.distortion, rvec,
+               tvec, true, cv::SOLVEPNP_ITERATIVE);
+  return fromOpenCv(rvec, tvec);
+}
+
+std::vector<std::size_t> chooseOrderings(const std::vector<Motion>& motions, const Board& board) {
+  const std::size_t count = orderings(board).size();
+  std::vector<std::size_t> chosen(motions.size(), 0);
+  if (count == 1) return chosen;
+  // Coordinate descent: each view in turn takes the ordering that fits those before it, then all
+  // others.
+  for (int round = 0; round < 5; ++round) {
+    bool changed = false;
+    for (std::size_t i = 1; i < motions.size(); ++i) {
+      std::vector<double> cost(count, 0.0);
+      for (std::size_t j = 0; j < (round == 0 ? i : motions.size()); ++j) {
+        if (j == i) continue;
+        for (std::size_t k = 0; k < count; ++k) {
+          const std::size_t between = (k + count - chosen[j]) % count;
+          // A wrong pair must not outweigh the others.
+          cost[k] += std::min(0.2, angleError(motions[i], motions[j], turnOf(between, count)));
+        }
+      }
+      const auto best =
+          static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+      changed = changed || best != chosen[i];
+      chosen[i] = best;
+    }
+    if (!changed && round > 0) break;
+  }
+  return chosen;
+}
+
+std::vector<double> angleErrors(const std::vector<Motion>& motions) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    std::vector<double> errors;
+    for (std::size_t j = 0; j < motions.size(); ++j) {
+      if (j != i) errors.push_back(angleError(motions[i], motions[j], Eigen::Matrix3d::Identity()));
+    }
+    out.push_back(median(errors));
+  }
+  return out;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrate/hand_eye/bundle_adjustment.h"
+
+#include "calibrate/hand_eye/noise_estimate.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace planar_bin_picking {
+namespace {
+
+/// All corners of one view against their predictions, in standard deviations.
+class ViewCost : public ceres::CostFunction {
+ public:
+  ViewCost(const HandEyeProblem& problem, const Sighting& sighting, const Adjusted& state,
+           const std::vector<double>& weights)
+      : board_(problem.board), sighting_(sighting), chain_(state.chain) {
+    set_num_residuals(2 * static_cast<int>(board_.size()));
+    *mutable_parameter_block_sizes() = {9, 6, 6, 1, 6};
+    for (const double weight : weights) roots_.push_back(std::sqrt(weight) / state.noise.pixel);
+  }
+
+  bool Evaluate(double const* const* parameters, double* out, double** jacobians) const override {
+    using Xi = Eigen::Map<const Vector6d>;
+    Chain chain = chain_;
+    std::copy(parameters[0], parameters[0] + 9, chain.intrinsics.begin());
+    const Increment increment{Xi(parameters[1]), Xi(parameters[2]), Xi(parameters[4]),
+                              parameters[3][0]};
+    const auto prediction =
+        predict(chain, sighting_.T_base_flange, increment, board_, jacobians != nullptr);
+    if (!prediction) return false;
+    for (Eigen::Index i = 0; i < prediction->pixels.size(); ++i) {
+      const auto corner = static_cast<std::size_t>(i / 2);
+      out[i] = roots_[corner] * (prediction->pixels[i] - sighting_.corners[corner][i % 2]);
+    }
+    if (jacobians == nullptr) return true;
+    const Eigen::MatrixXd& shared = prediction->shared;
+    fill(shared.middleCols(kIntrinsics, 9), jacobians[0]);
+    fill(shared.middleCols(kHandEye, 6), jacobians[1]);
+    fill(shared.middleCols(kBoard, 6), jacobians[2]);
+    fill(shared.middleCols(kScale, 1), jacobians[3]);
+    fill(prediction->correction, jacobians[4]);
+    return true;
+  }
+
+ private:
+  template <class Block>
+  void fill(const Block& block, double* jacobian) const {
+    if (jacobian == nullptr) return;
+    for (Eigen::Index i = 0; i < block.rows(); ++i) {
+      for (Eigen::Index k = 0; k < block.cols(); ++k) {
+        *jacobian++ = roots_[static_cast<std::size_t>(i / 2)] * block(i, k);
+      }
+    }
+  }
+
+  const Board& board_;
+  const Sighting& sighting_;
+  const Chain& chain_;
+  std::vector<double> roots_;
+};
+
+/// value / sigma of each element; no residual where sigma is 0.
+class PriorCost : public ceres::CostFunction {
+ public:
+  explicit PriorCost(std::vector<double> sigmas) : sigmas_(std::move(sigmas)) {
+    set_num_residuals(static_cast<int>(sigmas_.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(sigmas_.size()));
+  }
+  bool Evaluate(double const* const* parameters, double* out, double** jacobians) const override {
+    const std::size_t n = sigmas_.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const double w = sigmas_[i] > 0.0 ? 1.0 / sigmas_[i] : 0.0;
+      out[i] = w * parameters[0][i];
+      if (jacobians == nullptr || jacobians[0] == nullptr) continue;
+      for (std::size_t k = 0; k < n; ++k) jacobians[0][i * n + k] = i == k ? w : 0.0;
+    }
+    return true;
+  }
+
+ private:
+  std::vector<double> sigmas_;
+};
+
+ceres::Solver::Options solverOptions() {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.max_num_iterations = 60;
+  options.function_tolerance = 1e-10;
+  options.parameter_tolerance = 1e-10;
+  options.num_threads = 1;  // the same bytes every time
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+/// One solve with noise and weights as they are in `state`.
+void solveOnce(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+               const AdjustOptions& options, Adjusted* state) {
+  std::array<double, 9> intrinsics = state->chain.intrinsics;
+  Increment shared;
+  std::vector<Vector6d> corrections = state->corrections;
+  ceres::Problem problem_ceres;
+  const auto ordering = new ceres::ParameterBlockOrdering;
+  const Noise& noise = state->noise;
+  std::vector<double> prior(3, noise.robot_t);
+  prior.insert(prior.end(), 3, noise.robot_r);
+  double *const x = shared.mount_camera.data(), *const z = shared.other_board.data();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    double* const c = corrections[i].data();
+    problem_ceres.AddResidualBlock(new ViewCost(problem, *views[i], *state, state->weights[i]),
+                                   nullptr, intrinsics.data(), x, z, &shared.log_scale, c);
+    problem_ceres.AddResidualBlock(new PriorCost(prior), nullptr, c);
+    ordering->AddElementToGroup(c, 0);
+  }
+  for (double* block : {intrinsics.data(), x, z, &shared.log_scale}) {
+    ordering->AddElementToGroup(block, 1);
+  }
+  if (options.fixed_camera) {
+    problem_ceres.SetParameterBlockConstant(intrinsics.data());
+  } else {
+    auto lens = lensPrior(intrinsics, problem.width, problem.height);
+    for (double& sigma : lens) sigma *= options.lens_share;
+    problem_ceres.AddResidualBlock(new PriorCost({lens.begin(), lens.end()}), nullptr,
+                                   intrinsics.data());
+  }
+  if (!options.free_scale) problem_ceres.SetParameterBlockConstant(&shared.log_scale);
+  ceres::Solver::Options solver = solverOptions();
+  solver.linear_solver_ordering.reset(ordering);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem_ceres, &summary);
+  state->converged = summary.IsSolutionUsable();
+  if (!state->converged) return;
+  state->chain = moved(state->chain, shared);
+  state->chain.intrinsics = intrinsics;
+  state->corrections = corrections;
+}
+
+}  // namespace
+
+Adjusted startAt(const Chain& chain, const Noise& noise, std::size_t views, std::size_t corners) {
+  Adjusted state;
+  state.chain = chain;
+  state.noise = noise;
+  state.corrections.assign(views, Vector6d::Zero());
+  state.weights.assign(views, std::vector<double>(corners, 1.0));
+  return state;
+}
+
+Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+                const Adjusted& start, const AdjustOptions& options) {
+  Adjusted state = start;
+  for (int round = 0;; ++round) {
+    solveOnce(problem, views, options, &state);
+    if (!state.converged) return state;
+    if (round >= options.rounds) break;
+    const Noise before = state.noise;
+    estimateNoise(problem, views, options, &state);
+    if (state.degenerate) return state;
+    const auto same = [](double a, double b) { return std::abs(a - b) < 0.02 * b; };
+    if (same(state.noise.pixel, before.pixel) && same(state.noise.robot_t, before.robot_t) &&
+        same(state.noise.robot_r, before.robot_r)) {
+      break;
+    }
+  }
+  estimateCovariance(problem, views, options, &state);
+  return state;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// The chain of hand_eye.h from one robot pose to the board's corners, and its derivatives.
+
+#include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
+
+#include <array>
+
+namespace planar_bin_picking {
+
+/// Columns of a view's Jacobian: the shared parameters, then the logarithm of the board's scale.
+constexpr int kScale = kSharedSize, kColumns = kSharedSize + 1;
+
+/// A point in the space of all shared parameters.
+struct Chain {
+  Mounting mounting = Mounting::kEyeInHand;
+  std::array<double, 9> intrinsics{};  ///< fx fy cx cy k1 k2 p1 p2 k3
+  std::array<double, 3>
+      denominator{};  ///< k4 k5 k6 of a given rational_polynomial; never estimated
+  Eigen::Isometry3d T_mount_camera = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_other_board = Eigen::Isometry3d::Identity();
+  double scale = 1.0;  ///< of the board
+
+  Eigen::Isometry3d cameraBoard(const Eigen::Isometry3d& T_base_flange) const;
+};
+
+/// Increments about a chain and about one robot pose.
+struct Increment {
+  Vector6d mount_camera = Vector6d::Zero(), other_board = Vector6d::Zero();
+  Vector6d correction = Vector6d::Zero();
+  double log_scale = 0.0;
+};
+
+/// Predictions of all corners of a view, one row per coordinate (u0 v0 u1 v1 ...).
+struct Prediction {
+  Eigen::VectorXd pixels;
+  Eigen::MatrixXd shared;      ///< by the shared parameters and the scale, kColumns columns
+  Eigen::MatrixXd correction;  ///< by the correction, 6 columns
+};
+
+/// @param jacobians  whether to fill the matrices
+/// @return  nothing where a corner is not in front of the camera
+std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T_base_flange,
+                                  const Increment& increment, const Board& board, bool jacobians);
+
+/// The intrinsics as Camera has them, and back; denominatorOf() is what fromModel() leaves out.
+Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int height);
+Camera::Model toModel(const Chain& chain, int width, int height);
+std::array<double, 9> fromModel(const Camera::Model& model);
+std::array<double, 3> denominatorOf(const Camera::Model& model);
+
+/// Root mean square over the corners of the distance; both of one size, not empty.
+double rms(const std::vector<Eigen::Vector2d>& residuals);
+
+/// The increment applied, and the place of a corrected robot pose.
+Chain moved(const Chain& chain, const Increment& increment);
+
+/// Standard deviations that keep lens coefficients sane while views are few: each term may move the
+/// image's corner by a large share of its distance from the centre; see hand_eye_model.cpp. Order
+/// as intrinsics. Zero: no such limit.
+std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height);
+
+}  // namespace planar_bin_picking

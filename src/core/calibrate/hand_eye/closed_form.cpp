@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrate/hand_eye/closed_form.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <opencv2/calib3d.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr double kRadians = 3.14159265358979323846 / 180.0;
+
+struct Pair {
+  Eigen::Isometry3d robot, board;  // G_i G_j^-1 and C_i C_j^-1
+};
+
+std::vector<Pair> usefulPairs(const std::vector<Motion>& motions, const HandEyeParams& params) {
+  std::vector<Pair> pairs;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Pair pair{motions[i].robot * motions[j].robot.inverse(),
+                      motions[i].board * motions[j].board.inverse()};
+      const double angle = rotationAngle(pair.robot.linear());
+      if (angle < params.pair_angle_min_deg * kRadians) continue;
+      if (angle > params.pair_angle_max_deg * kRadians) continue;
+      pairs.push_back(pair);
+    }
+  }
+  return pairs;
+}
+
+/// Rotation that turns the board's rotation vectors into the robot's, then the translation (and
+/// scale) from (R_A - I) t_X - s R_X t_B = -t_A.
+std::optional<Chain> fromPairs(const std::vector<Pair>& pairs, bool free_scale) {
+  if (pairs.size() < 2) return std::nullopt;
+  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
+  for (const Pair& pair : pairs) {
+    M += rotationVector(pair.robot.linear()) * rotationVector(pair.board.linear()).transpose();
+  }
+  const Eigen::Matrix3d R = nearestRotation(M);
+  const auto rows = 3 * static_cast<Eigen::Index>(pairs.size());
+  Eigen::MatrixXd A(rows, free_scale ? 4 : 3);
+  Eigen::VectorXd b(rows);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto at = 3 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector3d turned = R * pairs[i].board.translation();
+    A.block<3, 3>(at, 0) = pairs[i].robot.linear() - Eigen::Matrix3d::Identity();
+    b.segment<3>(at) = -pairs[i].robot.translation();
+    if (free_scale) {
+      A.block<3, 1>(at, 3) = -turned;
+    } else {
+      b.segment<3>(at) += turned;
+    }
+  }
+  const Eigen::VectorXd x = A.colPivHouseholderQr().solve(b);
+  Chain chain;
+  chain.T_mount_camera = rigid(R, x.head<3>());
+  chain.scale = free_scale ? x[3] : 1.0;
+  if (!x.allFinite() || !(chain.scale > 0.05 && chain.scale < 20.0)) return std::nullopt;
+  return chain;
+}
+
+std::optional<Eigen::Isometry3d> fromOpenCv(const std::vector<Motion>& motions,
+                                            cv::HandEyeCalibrationMethod method) {
+  std::vector<cv::Mat> R_robot, t_robot, R_board, t_board;
+  const auto add = [](const Eigen::Isometry3d& T, std::vector<cv::Mat>* R,
+                      std::vector<cv::Mat>* t) {
+    cv::Mat_<double> rotation(3, 3), translation(3, 1);
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) rotation(i, k) = T.linear()(i, k);
+      translation(i) = T.translation()[i];
+    }
+    R->push_back(rotation);
+    t->push_back(translation);
+  };
+  for (const Motion& motion : motions) {
+    add(motion.robot.inverse(), &R_robot, &t_robot);
+    add(motion.board, &R_board, &t_board);
+  }
+  cv::Mat_<double> R, t;
+  try {
+    cv::calibrateHandEye(R_robot, t_robot, R_board, t_board, R, t, method);
+  } catch (const cv::Exception&) {
+    return std::nullopt;  // this method has no answer; there are others
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) T.linear()(i, k) = R(i, k);
+    T.translation()[i] = t(i);
+  }
+  if (!T.matrix().allFinite()) return std::nullopt;
+  T.linear() = nearestRotation(T.linear());
+  return T;
+}
+
+/// The board's place on its side of the chain, as most of the views have it.
+Eigen::Isometry3d otherBoard(const std::vector<Motion>& motions,
+                             const Eigen::Isometry3d& T_mount_camera, double scale) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
+  std::array<std::vector<double>, 3> t;
+  for (const Motion& motion : motions) {
+    Eigen::Isometry3d C = motion.board;
+    C.translation() *= scale;
+    const Eigen::Isometry3d Z = motion.robot.inverse() * T_mount_camera * C;
+    R += Z.linear();
+    for (std::size_t k = 0; k < 3; ++k) t[k].push_back(Z.translation()[static_cast<int>(k)]);
+  }
+  Eigen::Vector3d middle;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto at = t[k].begin() + static_cast<std::ptrdiff_t>(t[k].size() / 2);
+    std::nth_element(t[k].begin(), at, t[k].end());
+    middle[static_cast<int>(k)] = *at;
+  }
+  return rigid(nearestRotation(R), middle);
+}
+
+}  // namespace
+
+double secondAxis(const std::vector<Motion>& motions, const HandEyeParams& params) {
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  int count = 0;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Eigen::Vector3d a =
+          rotationVector(motions[i].robot.linear() * motions[j].robot.linear().transpose());
+      if (a.norm() > params.pair_angle_max_deg * kRadians) continue;
+      scatter += a * a.transpose();
+      ++count;
+    }
+  }
+  if (count < 2) return 0.0;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter / count);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()[1]));
+}
+
+std::vector<Chain> closedForms(const HandEyeProblem& problem, const std::vector<Motion>& motions,
+                               const std::array<double, 9>& intrinsics, const HandEyeParams& params,
+                               bool free_scale) {
+  std::vector<Chain> chains;
+  const auto add = [&](const Eigen::Isometry3d& T_mount_camera, double scale) {
+    Chain chain;
+    chain.mounting = problem.mounting;
+    chain.intrinsics = intrinsics;
+    if (problem.camera) chain.denominator = denominatorOf(*problem.camera);
+    chain.T_mount_camera = T_mount_camera;
+    chain.scale = scale;
+    chain.T_other_board = otherBoard(motions, T_mount_camera, scale);
+    chains.push_back(chain);
+  };
+  if (const auto own = fromPairs(usefulPairs(motions, params), free_scale)) {
+    add(own->T_mount_camera, own->scale);
+  }
+  if (free_scale) return chains;
+  for (const auto method :
+       {cv::CALIB_HAND_EYE_PARK, cv::CALIB_HAND_EYE_TSAI, cv::CALIB_HAND_EYE_HORAUD,
+        cv::CALIB_HAND_EYE_ANDREFF, cv::CALIB_HAND_EYE_DANIILIDIS}) {
+    if (const auto T = fromOpenCv(motions, method)) add(*T, 1.0);
+  }
+  return chains;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Sightings that say by themselves that something is wrong, before anything is solved.
+
+#include "calibrate/hand_eye/closed_form.h"
+#include "calibrate/hand_eye/verdict.h"
+
+namespace planar_bin_picking {
+
+/// A sighting that may be used: its corners in the order that all views share.
+struct Usable {
+  std::size_t index = 0;  ///< in the problem
+  Sighting sighting;
+  Motion motion;
+};
+
+/// Sorts out orderings, wrong pairs and stale robot poses; says in `views` what became of each.
+std::vector<Usable> checkSightings(const HandEyeProblem& problem, const HandEyeParams& params,
+                                   const std::array<double, 9>& intrinsics,
+                                   std::vector<ViewResult>* views, Findings* findings);
+
+/// Everything that the caller could get wrong. @throws std::invalid_argument
+void validate(const HandEyeProblem& problem);
+
+}  // namespace planar_bin_picking

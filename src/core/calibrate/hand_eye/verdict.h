@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// What a solution is worth.
+
+#include "calibrate/hand_eye/bundle_adjustment.h"
+
+namespace planar_bin_picking {
+
+struct ExpectedError {
+  double metres = 0.0, radians = 0.0;
+};
+
+/// RMS error of the pose, in the mount's frame, of a small part that faces the camera at
+/// `distance`, over five places in the image: the error of T_mount_camera and, through the part's
+/// measured pose, that of the intrinsics, with all their correlations. Set up once per chain.
+class ErrorModel {
+ public:
+  ErrorModel(const Chain& chain, int width, int height, double distance);
+  ExpectedError of(const Eigen::MatrixXd& covariance) const;
+
+ private:
+  std::vector<Eigen::Matrix<double, 6, 15>> by_calibration_;  // of each place's pose
+};
+
+/// What the checks before the solution found.
+struct Findings {
+  std::vector<std::string> stale;  ///< sightings whose robot pose is older than their image
+  bool late_by_one = false;        ///< all poses fit the image before their own
+  std::string camera_error;        ///< why the estimated lens cannot be used; "" where it can
+};
+
+/// Sets verdict and reasons from all other fields.
+void judge(const HandEyeProblem& problem, const HandEyeParams& params, const Findings& findings,
+           HandEyeResult* result);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "locate/refine/refine_image.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// How well one outline point is borne out by the edge it found: Eq. (12)'s |cos|, less with
+/// distance. What is mere noise counts nothing.
+inline double supportOf(const EdgeHit& hit, double reach_px) {
+  if (!hit.found) return 0.0;
+  // The wall's lower edge speaks for the pose as well as the upper one.
+  const double beyond =
+      hit.offset_px > 0.0f ? std::max(0.0f, hit.offset_px - hit.wall_px) : hit.offset_px;
+  const double off = beyond / reach_px;
+  return std::max(0.0, 1.0 - off * off) * hit.cosine;
+}
+
+/// Mean support: Psi of Eq. (12) with the above.
+inline double meanSupport(const std::vector<EdgeHit>& hits, double reach_px) {
+  double sum = 0.0;
+  for (const auto& hit : hits) sum += supportOf(hit, reach_px);
+  return hits.empty() ? 0.0 : sum / static_cast<double>(hits.size());
+}
+
+}  // namespace planar_bin_picking

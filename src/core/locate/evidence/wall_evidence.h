@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Whether a part's side wall is seen where a pose puts it: on the other side of the part than its
+/// twin, tilted the other way about the line of sight, would have it.
+
+#include "locate/refine/refine_image.h"
+
+#include <optional>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// @param points  of the shape
+/// @return  mean support of the walls' lower edges, 0..1; nothing where too little of the walls is
+///          in view: a wall seen narrower than two pixels does not count, and neither does one
+///          whose upper edge is not seen (something covers it)
+std::optional<double> wallSupport(const EdgeMap& edges, const Camera& camera,
+                                  const std::vector<LocalPoint>& points, const Solid& solid,
+                                  const Eigen::Isometry3d& T_camera_centre);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locate/judge/occlusion.h"
+
+#include "base/scatter.h"
+
+#include <opencv2/imgproc.hpp>
+#include <opencv2/imgproc/detail/gcgraph.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr int kSamples = FaceGrid::kSamples;
+// Per length of a cell's side: what a border costs where nothing shows it is 1.
+constexpr float kSeen = 1.0f;
+// A piece that is free is hardly ever missed, but texture bears out many a piece that is covered.
+constexpr float kMissing = 3.0f;
+constexpr float kOutside = 1e3f;
+constexpr double kTexture = 2.0;   // times the face's usual change from cell to cell: a border
+constexpr double kFaintest = 3.0;  // grey levels per sample: the least that passes for usual
+constexpr float kOwn = 2.0f;       // samples about the outline within which edges are its own
+
+/// The face as if seen from straight above, kSamples per cell.
+cv::Mat flatten(const FaceGrid& grid, const cv::Mat& image,
+                const std::vector<Eigen::Vector2f>& corners) {
+  cv::Mat_<cv::Vec2f> at(kSamples * grid.rows(), kSamples * grid.cols());
+  const int stride = grid.cols() + 1;
+  for (int y = 0; y < at.rows; ++y) {
+    const float v = (static_cast<float>(y % kSamples) + 0.5f) / kSamples;
+    for (int x = 0; x < at.cols; ++x) {
+      const float u = (static_cast<float>(x % kSamples) + 0.5f) / kSamples;
+      const auto* const c =
+          &corners[static_cast<std::size_t>(y / kSamples * stride + x / kSamples)];
+      const Eigen::Vector2f p =
+          (1 - v) * ((1 - u) * c[0] + u * c[1]) + v * ((1 - u) * c[stride] + u * c[stride + 1]);
+      at(y, x) = {p.x(), p.y()};
+    }
+  }
+  cv::Mat flat;
+  cv::remap(image, flat, at, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return flat;
+}
+
+/// How fast brightness changes, grey levels per sample; 0 about the part's own lines.
+cv::Mat_<float> changeOf(const FaceGrid& grid, const cv::Mat& flat) {
+  cv::Mat_<float> x, y, change;
+  cv::Scharr(flat, x, CV_32F, 1, 0, 1.0 / 32.0);
+  cv::Scharr(flat, y, CV_32F, 0, 1, 1.0 / 32.0);
+  cv::magnitude(x, y, change);
+  change.setTo(0.0f, grid.fromOutline() < kOwn);
+  return change;
+}
+
+/// For each link, the strongest change between the middles of its cells.
+std::vector<double> alongLinks(const FaceGrid& grid, const cv::Mat_<float>& change) {
+  std::vector<double> strongest;
+  strongest.reserve(grid.links().size());
+  for (const FaceGrid::Link& link : grid.links()) {
+    // The middle lies between two samples: a strip of both.
+    const int x = kSamples * link.col + kSamples / 2 - 1,
+              y = kSamples * link.row + kSamples / 2 - 1;
+    float most = 0.0f;
+    for (int k = 0; k <= kSamples + 1; ++k) {
+      for (int side = 0; side < 2; ++side)
+        most = std::max(most, link.along_x ? change(y + side, x + k) : change(y + k, x + side));
+    }
+    strongest.push_back(most);
+  }
+  return strongest;
+}
+
+/// Of the changes; zeros stand for what was not looked at.
+double usual(std::vector<double> changes) {
+  changes.erase(std::remove(changes.begin(), changes.end(), 0.0), changes.end());
+  return std::max(kFaintest, median(std::move(changes)));
+}
+
+bool isInside(const cv::Mat& image, const Eigen::Vector2f& pixel) {
+  return pixel.x() >= 0.0f && pixel.y() >= 0.0f &&
+         pixel.x() <= static_cast<float>(image.cols - 1) &&
+         pixel.y() <= static_cast<float>(image.rows - 1);
+}
+
+}  // namespace
+
+std::vector<int> findCover(const FaceGrid& grid, const EdgeMap& edges, const Camera& camera,
+                           const Eigen::Isometry3d& T_camera_part, double z,
+                           const std::vector<OutlinePiece>& outline) {
+  const auto pixelOf = [&](const Eigen::Vector2d& p) -> Eigen::Vector2f {
+    return camera.project(T_camera_part * Eigen::Vector3d(p.x(), p.y(), z)).cast<float>();
+  };
+  std::vector<Eigen::Vector2f> corners;
+  for (int row = 0; row <= grid.rows(); ++row)
+    for (int col = 0; col <= grid.cols(); ++col) corners.push_back(pixelOf(grid.corner(col, row)));
+  const auto changes = alongLinks(grid, changeOf(grid, flatten(grid, edges.image, corners)));
+  const double border = kTexture * usual(changes);
+
+  const int n = static_cast<int>(grid.cells().size());
+  cv::detail::GCGraph<float> graph(n, static_cast<unsigned>(2 * grid.links().size()));
+  for (int i = 0; i < n; ++i) {
+    graph.addVtx();
+    if (!isInside(edges.image, pixelOf(grid.cells()[i]))) graph.addTermWeights(i, 0.0f, kOutside);
+  }
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const double q = changes[i] / border;
+    const auto cost = static_cast<float>(std::exp(-q * q));
+    graph.addEdges(grid.links()[i].first, grid.links()[i].second, cost, cost);
+  }
+  for (const OutlinePiece& piece : outline) {
+    constexpr double kIn = 0.7;  // cells: a cell's half diagonal
+    const int cell = grid.cellNear(piece.position - kIn * grid.cellSize() * piece.normal);
+    if (cell < 0) continue;
+    const auto share = static_cast<float>(piece.length / grid.cellSize());
+    graph.addTermWeights(cell, piece.seen ? kSeen * share : 0.0f,
+                         piece.seen ? 0.0f : kMissing * share);
+  }
+  graph.maxFlow();
+  std::vector<int> covered;
+  for (int i = 0; i < n; ++i)
+    if (!graph.inSourceSegment(i)) covered.push_back(i);  // what nothing pulls at is free
+  return covered;
+}
+
+}  // namespace planar_bin_picking

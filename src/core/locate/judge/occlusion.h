@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Which cells of a posed part's face something covers.
+///
+/// A cover shows twice: stretches of the part's own outline are missing, and the cover's contour
+/// runs across the face. A missing stretch alone may as well be faint, a foreign edge alone a
+/// scratch. So the cells are divided by a minimum cut (Y. Boykov, V. Kolmogorov: PAMI 26(9), 2004):
+/// outline that is seen pulls its cells to one side, outline that is missing to the other, and a
+/// border between the two is cheap where the face's brightness changes by more than its texture
+/// does.
+
+#include "image/edge_map.h"
+#include "planar_bin_picking/image/camera.h"
+#include "planar_bin_picking/part/face_grid.h"
+
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// A piece of the outline, and whether an edge bears it out.
+struct OutlinePiece {
+  Eigen::Vector2d position, normal;  ///< part frame; the normal points out of the material
+  double length = 0.0;               ///< metres
+  bool seen = false;
+};
+
+/// @param z  of the face in the part frame
+/// @return   covered cells in order; what lies outside the image counts as covered
+/// Cost: some 0.2 ms.
+std::vector<int> findCover(const FaceGrid& grid, const EdgeMap& edges, const Camera& camera,
+                           const Eigen::Isometry3d& T_camera_part, double z,
+                           const std::vector<OutlinePiece>& outline);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locate/judge/rank.h"
+
+#include <algorithm>
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr std::size_t kStride = 4;  // of the outline's samples: overlap needs no fine polygon
+
+/// Coarse mask of a posed part in the ideal image plane.
+struct Mask {
+  Eigen::AlignedBox2d box;
+  std::vector<Eigen::Vector2d> outer;
+};
+
+Mask maskOf(const PartModel& part, const ScoredPose& pose) {
+  Mask mask;
+  const double z = part.faceZ(pose.face);
+  for (std::size_t k = 0; k < part.outline().size(); k += kStride) {
+    const OutlinePoint& p = part.outline()[k];
+    if (p.kind != LoopKind::kOuter) continue;
+    const Eigen::Vector3d q =
+        pose.T_camera_part * Eigen::Vector3d(p.position.x(), p.position.y(), z);
+    mask.outer.push_back(q.hnormalized());
+    mask.box.extend(mask.outer.back());
+  }
+  return mask;
+}
+
+bool inside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& p) {
+  bool in = false;
+  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const auto &a = polygon[i], &b = polygon[j];
+    if ((a.y() > p.y()) != (b.y() > p.y()) &&
+        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) {
+      in = !in;
+    }
+  }
+  return in;
+}
+
+/// Share of a's area that b covers too, on a grid.
+double overlap(const Mask& a, const Mask& b) {
+  if (!a.box.intersects(b.box)) return 0.0;
+  constexpr int kGrid = 16;
+  int all = 0, both = 0;
+  for (int j = 0; j < kGrid; ++j) {
+    for (int i = 0; i < kGrid; ++i) {
+      const Eigen::Vector2d p =
+          a.box.min() + a.box.sizes().cwiseProduct(Eigen::Vector2d(i + 0.5, j + 0.5) / kGrid);
+      if (!inside(a.outer, p)) continue;
+      ++all;
+      both += inside(b.outer, p);
+    }
+  }
+  return static_cast<double>(both) / std::max(1, all);
+}
+
+}  // namespace
+
+std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
+                                 const std::vector<std::shared_ptr<const PartModel>>& parts,
+                                 double score_min, const RankParams& params) {
+  std::vector<const ScoredPose*> order;
+  for (const auto& s : scored) {
+    if (s.score >= score_min) order.push_back(&s);
+  }
+  // What lies free is picked first: a covered part may score high on what is left of it.
+  const auto merit = [](const ScoredPose* s) {
+    return s->score * s->visible_fraction * s->visible_fraction;
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const ScoredPose* a, const ScoredPose* b) { return merit(a) > merit(b); });
+  std::vector<Detection> out;
+  std::vector<Mask> masks;
+  for (const auto* s : order) {
+    const Mask mask = maskOf(*parts[s->part], *s);
+    const bool taken = std::any_of(masks.begin(), masks.end(), [&](const Mask& m) {
+      return std::max(overlap(mask, m), overlap(m, mask)) > params.overlap_max;
+    });
+    if (taken) continue;
+    Detection d;
+    static_cast<ScoredPose&>(d) = *s;
+    d.part_name = parts[s->part]->name();
+    out.push_back(d);
+    masks.push_back(mask);
+  }
+  return out;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Stage 4: RefinedPose -> ScoredPose: what speaks for a pose, and how much of the part is
+/// uncovered (src/core/locate/judge/occlusion.h).
+///
+/// The score is the mean support (Eq. 12 of [1], noise excluded, less with distance) of outer
+/// contour, holes and print, each counting the same. Differs from [1] Sec. III-D, which averages
+/// over all points: holes are short but hardly ever matched by chance (measured in test/benchmark).
+
+#include "image/edge_map.h"
+#include "planar_bin_picking/image/camera.h"
+#include "planar_bin_picking/locate/params.h"
+#include "planar_bin_picking/part/part_model.h"
+
+#include <memory>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// @return  as many as refined, in the same order
+std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
+                                   const std::vector<std::shared_ptr<const PartModel>>& parts,
+                                   const std::vector<RefinedPose>& refined,
+                                   const ScoreParams& params, int threads);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Stage 3: candidate -> RefinedPose, coarse to fine.
+
+#include "image/edge_map.h"
+#include "planar_bin_picking/image/camera.h"
+#include "planar_bin_picking/locate/params.h"
+#include "planar_bin_picking/part/part_model.h"
+
+#include <memory>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// @param parts       those that Candidate::part indexes
+/// @return            poses without twins, best supported first
+std::vector<RefinedPose> refineCandidates(
+    const EdgeMap& edges, const Camera& camera,
+    const std::vector<std::shared_ptr<const PartModel>>& parts,
+    const std::vector<Candidate>& candidates, const RefineParams& params, int threads);
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,287 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locate/vote/hough.h"
+
+#include "base/parallel.h"
+#include "base/plane_pose.h"
+#include "locate/vote/vote_planes.h"
+#include "part/part_size.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr int kYawSectors = 12;  // per tile, the best of each sector and face is kept
+
+Eigen::Matrix2d turn(double angle) { return Eigen::Rotation2Dd(angle).toRotationMatrix(); }
+
+/// Foreshortening f of the image-plane affine map and the azimuth of the axis that keeps its
+/// length.
+struct Shape {
+  double f, azimuth;
+};
+
+/// How the part looks in the image, up to position.
+struct View {
+  Face face;
+  int sector;
+  double yaw, distance;
+  Shape shape;
+
+  /// Part x, y (metres) -> ideal image plane: s R(azimuth) diag(1, f) R(yaw - azimuth) F.
+  Eigen::Matrix2d affine() const {
+    const double flip = face == Face::kFront ? -1.0 : 1.0;
+    return turn(shape.azimuth) * Eigen::Vector2d(1.0, shape.f).asDiagonal() *
+           turn(yaw - shape.azimuth) * Eigen::Vector2d(1.0, flip).asDiagonal() / distance;
+  }
+};
+
+/// The tolerances of neighbouring shapes touch.
+std::vector<Shape> makeShapes(double tilt_max_deg) {
+  std::vector<Shape> out = {{1.0, 0.0}};
+  const double f_min = std::cos(tilt_max_deg * M_PI / 180.0);
+  for (double f = 0.8; f > f_min - 0.1; f *= 0.8) {
+    const int azimuths = f > 0.7 ? 6 : 8;
+    for (int k = 0; k < azimuths; ++k) out.push_back({f, k * M_PI / azimuths});
+  }
+  return out;
+}
+
+int stepsOver(double span, double step) {
+  return std::max(1, static_cast<int>(std::ceil(span / step)));
+}
+
+/// The views of a search before they are made: every face, distance, shape and yaw.
+struct ViewGrid {
+  std::vector<Face> faces;
+  int distances, yaws;
+  double span, yaw_range;  // of the distances' logarithm; rad
+  std::vector<Shape> shapes;
+
+  ViewGrid(const HoughTask& task, const HoughParams& params)
+      : faces({Face::kFront}), shapes(makeShapes(params.tilt_max_deg)) {
+    // The faces of a mirror symmetric outline look the same; a print tells them apart later
+    // (refine.h).
+    if (!task.part->symmetry().mirror) faces.push_back(Face::kBack);
+    const int order = task.part->nearOrder();
+    yaw_range = order == 0 ? 0.0 : 2.0 * M_PI / order;
+    yaws = stepsOver(yaw_range, params.yaw_step_deg * M_PI / 180.0);
+    span = std::log(task.distance_max / task.distance_min);
+    distances = stepsOver(span, std::log(1.0 + params.distance_step));
+  }
+  double count() const {
+    return static_cast<double>(faces.size() * shapes.size()) * distances * yaws;
+  }
+};
+
+std::vector<View> makeViews(const ViewGrid& grid, double distance_min) {
+  std::vector<View> out;
+  for (const Face face : grid.faces) {
+    for (int h = 0; h < grid.distances; ++h) {
+      const double distance = distance_min * std::exp(grid.span * (h + 0.5) / grid.distances);
+      for (const auto& shape : grid.shapes) {
+        for (int k = 0; k < grid.yaws; ++k) {
+          const int sector = (face == Face::kBack ? kYawSectors : 0) + k * kYawSectors / grid.yaws;
+          out.push_back({face, sector, grid.yaw_range * k / grid.yaws, distance, shape});
+        }
+      }
+    }
+  }
+  return out;
+}
+
+/// Every k-th sample of the outline, prints left out: those tell the face later (score.h).
+std::vector<OutlinePoint> rasterPoints(const PartModel& part, int count) {
+  constexpr int kStride = 37;  // spreads them so that the first few already stand for the whole
+  std::vector<OutlinePoint> all, out;
+  for (const auto& p : part.outline()) {
+    if (p.kind != LoopKind::kPrint) all.push_back(p);
+  }
+  const int n = static_cast<int>(all.size());
+  count = std::min(count, n);
+  if (count % kStride == 0) --count;
+  for (int i = 0; i < count; ++i) {
+    const int k = static_cast<int>(static_cast<long long>(i) * kStride % count);
+    out.push_back(all[static_cast<std::size_t>(k) * n / count]);
+  }
+  return out;
+}
+
+/// A view's raster points as offsets into the planes, and the cells its centre may take.
+struct Layout {
+  std::vector<std::int32_t> offsets;
+  int row0 = 0, row1 = 0, col0 = 0, col1 = 0;
+};
+
+/// What a search would allocate is known before: parameters at the ends of their ranges multiply.
+void checkMemory(const PartModel& part, const HoughParams& params, double views, double plane_bytes,
+                 std::size_t points) {
+  constexpr double kMost = 1e9;
+  constexpr double kPerView = sizeof(View) + sizeof(Layout) + 32.0;  // and its heap block's head
+  const double bytes = plane_bytes + views * (kPerView + points * sizeof(std::int32_t));
+  if (bytes <= kMost) return;
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(3);
+  text << "searching for part " << part.name() << " would take " << 1e-9 * bytes
+       << " GB, more than 1 GB, with " << views << " views; make hough/yaw_step_deg ("
+       << params.yaw_step_deg << ") or hough/distance_step (" << params.distance_step
+       << ") larger, hough/tilt_max_deg or edges/megapixels smaller, or bring the distances nearer "
+          "together";
+  throw std::invalid_argument(text.str());
+}
+
+Layout layOut(const std::vector<OutlinePoint>& points, const PartModel& part, const Field& field,
+              const VotePlanes& planes, const View& view) {
+  const Eigen::Matrix2d A = view.affine();
+  const Eigen::Matrix2d to_half = A * (field.focal / planes.half);
+  const Eigen::Matrix2d to_normal = A.inverse().transpose();
+  Eigen::AlignedBox2d box;
+  Layout out;
+  for (const auto& p : points) {
+    const Eigen::Vector2d q = to_half * (p.position - part.center());
+    const Eigen::Vector2d n = to_normal * p.normal;
+    box.extend(q);
+    out.offsets.push_back(static_cast<std::int32_t>(
+        planes.offset(directionBin(n.x(), n.y()), static_cast<int>(std::floor(q.x() + 0.5)),
+                      static_cast<int>(std::floor(q.y() + 0.5)))));
+  }
+  // A tenth of the part may stick out of the image, no more.
+  const Eigen::Vector2d lo = box.min() * 0.5 * 0.9, hi = box.max() * 0.5 * 0.9;
+  out.col0 = std::max(0, static_cast<int>(std::ceil(-lo.x())));
+  out.row0 = std::max(0, static_cast<int>(std::ceil(-lo.y())));
+  out.col1 = std::min(planes.cols, static_cast<int>(std::floor(planes.cols - hi.x())));
+  out.row1 = std::min(planes.rows, static_cast<int>(std::floor(planes.rows - hi.y())));
+  return out;
+}
+
+/// A bin of the accumulator.
+struct Bin {
+  int votes = 0, view = -1, row = 0, col = 0;
+};
+
+/// The best bins of a row of tiles, by tile and yaw sector; of equal ones the first.
+class TileRow {
+ public:
+  TileRow(const VotePlanes& planes, int tile, int floor)
+      : tile_(tile), columns_(planes.cols / tile + 1), pitch_(columns_ * tile + kChunk) {
+    bins_.resize(static_cast<std::size_t>(columns_) * 2 * kYawSectors);
+    bars_.resize(2 * kYawSectors, Bars(pitch_, floor));
+  }
+  const Bars& bars(int sector) const { return bars_[sector]; }
+  void add(const Bin& found, int sector) {
+    const int column = found.col / tile_;
+    bins_[static_cast<std::size_t>(sector) * columns_ + column] = found;
+    bars_[sector].raise(column * tile_, tile_, found.votes);
+  }
+  const std::vector<Bin>& bins() const { return bins_; }
+
+ private:
+  int tile_, columns_, pitch_;
+  std::vector<Bin> bins_;
+  std::vector<Bars> bars_;
+};
+
+/// Votes of one view for the centres in rows row0 to row1 of one row of tiles.
+void vote(const VotePlanes& planes, const Layout& layout, int row0, int row1, int view, int sector,
+          TileRow* tiles) {
+  const Bars& bars = tiles->bars(sector);
+  std::array<std::uint8_t, kChunk> sums;
+  for (int row = std::max(layout.row0, row0); row < std::min(layout.row1, row1); ++row) {
+    for (int col = layout.col0; col < layout.col1; col += kChunk) {
+      const std::uint8_t* base =
+          planes.votes.data() + static_cast<std::size_t>(row) * planes.pitch + col;
+      if (!sumChunk(base, layout.offsets, bars, col, &sums)) continue;
+      const int end = std::min(kChunk, layout.col1 - col);
+      for (int i = 0; i < end; ++i) {
+        if (sums[i] <= bars.best(col + i)) continue;
+        tiles->add({sums[i], view, row, col + i}, sector);
+      }
+    }
+  }
+}
+
+/// The best bins of all tiles, most votes first.
+std::vector<Bin> bestBins(const VotePlanes& planes, const std::vector<View>& views,
+                          const std::vector<Layout>& layouts, int floor, int tile, int threads) {
+  const int rows = (planes.rows + tile - 1) / tile;
+  std::vector<std::vector<Bin>> found(rows);
+  parallelFor(rows, threads, [&](int r) {
+    TileRow tiles(planes, tile, floor);
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      vote(planes, layouts[v], r * tile, (r + 1) * tile, static_cast<int>(v), views[v].sector,
+           &tiles);
+    }
+    for (const Bin& b : tiles.bins()) {
+      if (b.view >= 0) found[r].push_back(b);
+    }
+  });
+  std::vector<Bin> out;
+  for (const auto& bins : found) out.insert(out.end(), bins.begin(), bins.end());
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Bin& a, const Bin& b) { return a.votes > b.votes; });
+  return out;
+}
+
+/// A foreshortened view is that of two planes.
+void addCandidates(const Bin& bin, const View& view, const HoughTask& task,
+                   const HoughParams& params, const Field& field, const VotePlanes& planes,
+                   double most, std::vector<Candidate>* out) {
+  const Eigen::Vector2d p((bin.col * 2 * planes.half - field.cx) / field.focal,
+                          (bin.row * 2 * planes.half - field.cy) / field.focal);
+  const auto poses = posesFromAffine(view.affine(), p);
+  for (int k = 0; k < 2; ++k) {
+    const double tilt = std::acos(std::min(1.0, std::abs(poses[k].linear()(2, 2))));
+    if (tilt > (params.tilt_max_deg + 6.0) * M_PI / 180.0) continue;
+    if (k == 1 && (poses[0].linear().col(2) - poses[1].linear().col(2)).norm() < 0.1) continue;
+    Candidate c;
+    c.part = task.part_index;
+    c.face = view.face;
+    c.votes = bin.votes / most;
+    const Eigen::Vector2d& centre = task.part->center();
+    c.T_camera_part =
+        poses[k] * Eigen::Translation3d(-centre.x(), -centre.y(), -task.part->faceZ(view.face));
+    out->push_back(c);
+  }
+}
+
+}  // namespace
+
+std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& task,
+                                      const HoughParams& params, int threads) {
+  const Field& field = edges.fieldOf(task.part_index);
+  const double distance = std::sqrt(task.distance_min * task.distance_max);
+  const double radius_px = field.focal * task.part->radius();
+  const double half = std::max(1.0, 0.5 * radius_px / distance / params.radius_cells);
+  VotePlanes planes = sizePlanes(field, half, radius_px / task.distance_min);
+  const auto points = rasterPoints(*task.part, params.raster_points);
+  const ViewGrid grid(task, params);
+  checkMemory(*task.part, params, grid.count(), planes.bytes(), points.size());
+  fillPlanes(field, params.tolerance_cells * 2 * half, threads, &planes);
+  const auto views = makeViews(grid, task.distance_min);
+  std::vector<Layout> layouts(views.size());
+  parallelFor(static_cast<int>(views.size()), threads,
+              [&](int v) { layouts[v] = layOut(points, *task.part, field, planes, views[v]); });
+
+  const double most = kMaxVote * static_cast<double>(points.size());
+  const int floor = static_cast<int>(std::ceil(params.votes_min * most));
+  // Slender parts lie side by side within one radius; each needs a tile of its own.
+  const int tile = std::max(
+      1,
+      static_cast<int>(std::lround(params.tile_cells * grainOf(*task.part) / task.part->radius())));
+  std::vector<Candidate> out;
+  for (const Bin& bin : bestBins(planes, views, layouts, floor, tile, threads)) {
+    // The weaker half of a pair goes with the limit, too.
+    if (out.size() + 2 > static_cast<std::size_t>(params.max_candidates)) break;
+    addCandidates(bin, views[bin.view], task, params, field, planes, most, &out);
+  }
+  return out;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locate/vote/vote_planes.h"
+
+#include "base/parallel.h"
+#include "base/simd.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace planar_bin_picking {
+
+VotePlanes sizePlanes(const Field& field, double half, double reach_px) {
+  VotePlanes out;
+  out.half = half;
+  out.cols = static_cast<int>((field.width - 1) / (2 * half)) + 1;
+  out.rows = static_cast<int>((field.height - 1) / (2 * half)) + 1;
+  out.pad = 4 + static_cast<int>(std::ceil(reach_px / (2 * half)));
+  out.pitch = out.cols + 2 * out.pad + kChunk;
+  out.plane = static_cast<std::size_t>(out.rows + 2 * out.pad) * out.pitch;
+  return out;
+}
+
+void fillPlanes(const Field& field, double tolerance_px, int threads, VotePlanes* planes) {
+  VotePlanes& out = *planes;
+  out.votes.assign(out.plane * 4 * kDirections, 0);
+  std::array<std::uint8_t, 256> vote{};
+  for (int d = 0; d < 256; ++d) {
+    const double off = d / (tolerance_px * kUnitsPerFieldPixel);
+    vote[d] = off <= 0.4 ? 3 : off <= 0.7 ? 2 : off <= 1.0 ? 1 : 0;
+  }
+  parallelFor(2 * out.rows, threads, [&](int hy) {
+    const int y = static_cast<int>(std::lround(hy * out.half));
+    if (y >= field.height) return;
+    for (int hx = 0; hx < 2 * out.cols; ++hx) {
+      const int x = static_cast<int>(std::lround(hx * out.half));
+      if (x >= field.width) break;
+      const auto* d = field.at(x, y);
+      std::uint8_t* to = out.votes.data() + out.offset(0, hx, hy);
+      for (int b = 0; b < kDirections; ++b) to[b * 4 * out.plane] = vote[d[b]];
+    }
+  });
+}
+
+void Bars::raise(int column, int count, int votes) {
+  // After a third of the points a position goes on where it is not far below a third of the votes.
+  constexpr double kNear = 0.8;
+  const auto first = static_cast<std::uint8_t>(kNear * votes / 3.0);
+  std::fill_n(best_.begin() + column, count, static_cast<std::uint8_t>(votes));
+  std::fill_n(first_.begin() + column, count, first);
+}
+
+PBP_SIMD
+static bool anyAbove(const ByteVector& a, const ByteVector& b, const std::uint8_t* bars) {
+  ByteVector u, v;
+  std::memcpy(&u, bars, sizeof u);
+  std::memcpy(&v, bars + sizeof u, sizeof v);
+  const auto above = (a > u) | (b > v);
+  std::array<std::uint64_t, sizeof above / 8> words;
+  std::memcpy(words.data(), &above, sizeof above);
+  return (words[0] | words[1] | words[2] | words[3]) != 0;
+}
+
+PBP_SIMD
+static void addPoints(const std::uint8_t* base, const std::int32_t* offsets, int count,
+                      ByteVector* a, ByteVector* b) {
+  ByteVector s = *a, t = *b;
+  for (int i = 0; i < count; ++i) {
+    ByteVector u, v;
+    std::memcpy(&u, base + offsets[i], sizeof u);
+    std::memcpy(&v, base + offsets[i] + sizeof u, sizeof v);
+    s += u;
+    t += v;
+  }
+  *a = s;
+  *b = t;
+}
+
+bool sumChunk(const std::uint8_t* base, const std::vector<std::int32_t>& offsets, const Bars& bars,
+              int column, std::array<std::uint8_t, kChunk>* sums) {
+  static_assert(sizeof(ByteVector) * 2 == kChunk, "a chunk is two vectors");
+  static_assert(kMaxPoints * kMaxVote < 256, "sums fit into a byte");
+  const int count = static_cast<int>(offsets.size()), third = count / 3;
+  ByteVector a = {}, b = {};
+  addPoints(base, offsets.data(), third, &a, &b);
+  if (!anyAbove(a, b, bars.first_.data() + column)) return false;
+  addPoints(base, offsets.data() + third, count - third, &a, &b);
+  if (!anyAbove(a, b, bars.best_.data() + column)) return false;
+  std::memcpy(sums->data(), &a, sizeof a);
+  std::memcpy(sums->data() + sizeof a, &b, sizeof b);
+  return true;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "part/near_symmetry.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr int kAngles = 360;
+
+/// Distance to the outline's nearest sample, on a grid, up to the tolerance.
+class NearOutline {
+ public:
+  NearOutline(const std::vector<Eigen::Vector2d>& points, double tolerance)
+      : half_(std::min(256, static_cast<int>(8.0 / tolerance))),
+        tolerance_(tolerance),
+        cells_(4 * static_cast<std::size_t>(half_) * half_, static_cast<float>(tolerance)) {
+    const int reach = static_cast<int>(std::ceil(tolerance * scale()));
+    for (const auto& p : points) {
+      const int x = cell(p.x()), y = cell(p.y());
+      for (int j = std::max(0, y - reach); j <= std::min(2 * half_ - 1, y + reach); ++j) {
+        for (int i = std::max(0, x - reach); i <= std::min(2 * half_ - 1, x + reach); ++i) {
+          const Eigen::Vector2d c(i + 0.5 - half_, j + 0.5 - half_);
+          float& distance = cells_[static_cast<std::size_t>(j) * 2 * half_ + i];
+          distance = std::min(distance, static_cast<float>((c / scale() - p).norm()));
+        }
+      }
+    }
+  }
+  bool operator()(const Eigen::Vector2d& p) const { return distance(p) < tolerance_; }
+  /// 1 on the outline, 0 from the tolerance on: unlike a count it has its peak in the right place.
+  double nearness(const Eigen::Vector2d& p) const {
+    const double off = distance(p) / tolerance_;
+    return 1.0 - off * off;
+  }
+
+ private:
+  double scale() const { return half_ / 2.0; }  // the grid spans two radii either way
+  int cell(double v) const { return half_ + static_cast<int>(std::floor(v * scale())); }
+  bool valid(int c) const { return c >= 0 && c < 2 * half_; }
+  double distance(const Eigen::Vector2d& p) const {
+    const int x = cell(p.x()), y = cell(p.y());
+    return valid(x) && valid(y) ? cells_[static_cast<std::size_t>(y) * 2 * half_ + x] : tolerance_;
+  }
+  int half_;
+  double tolerance_;
+  std::vector<float> cells_;
+};
+
+/// Mirrored about the x axis where it flips, then turned.
+Eigen::Matrix2d mapping(bool flip, double angle) {
+  return Eigen::Rotation2Dd(angle).toRotationMatrix() *
+         Eigen::Vector2d(1.0, flip ? -1.0 : 1.0).asDiagonal();
+}
+
+Eigen::Isometry3d turned(const PartModel& part, const Eigen::Vector2d& c, bool flip, double angle) {
+  const Eigen::Translation3d centre(c.x(), c.y(), -0.5 * part.thickness());
+  // A turn by pi about the in-plane axis at angle / 2 mirrors the outline about that axis.
+  const Eigen::AngleAxisd turn =
+      flip ? Eigen::AngleAxisd(M_PI, Eigen::Vector3d(std::cos(angle / 2), std::sin(angle / 2), 0))
+           : Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ());
+  return Eigen::Isometry3d(centre * turn * centre.inverse());
+}
+
+constexpr double kStep = 2.0 * M_PI / kAngles;
+
+/// A turn after which much of the shape lies on itself.
+struct Turn {
+  double share, angle;
+  bool flip;
+};
+
+/// Turns at the peaks of nearness; where it is flat, all of them.
+std::vector<Turn> findTurns(const std::vector<Eigen::Vector2d>& shape, const NearOutline& near,
+                            const Symmetry& symmetry, double share_min) {
+  const auto mean = [&](bool flip, double angle, auto&& of) {
+    const Eigen::Matrix2d map = mapping(flip, angle);
+    double sum = 0.0;
+    for (const auto& p : shape) sum += of(map * p);
+    return sum / static_cast<double>(shape.size());
+  };
+  std::vector<Turn> found;
+  constexpr double kFlat = 0.02;  // a ring with a few small holes looks alike at every turn
+  // Turns that differ by a symmetry of the shape are the same, and so are the two faces of a shape
+  // that equals its mirror image.
+  const int order = std::max(1, symmetry.order);
+  for (const bool flip : {false, true}) {
+    if (flip && symmetry.mirror) break;
+    std::vector<double> nearness(kAngles);
+    for (int k = 0; k < kAngles; ++k) {
+      nearness[k] = mean(flip, kStep * k, [&](const auto& p) { return near.nearness(p); });
+    }
+    for (int k = flip ? 0 : 1; k * order < kAngles; ++k) {
+      const double before = nearness[(k + kAngles - 1) % kAngles], here = nearness[k];
+      const double after = nearness[(k + 1) % kAngles];
+      double angle = kStep * k;
+      if (here >= before && here > after) {
+        angle += kStep * 0.5 * (before - after) / (before - 2.0 * here + after);
+      } else if (std::max(std::abs(here - before), std::abs(here - after)) > kFlat) {
+        continue;
+      }
+      const double share = mean(flip, angle, near);
+      if (share >= share_min) found.push_back({share, angle, flip});
+    }
+  }
+  return found;
+}
+
+bool isExact(const Turn& turn, const Symmetry& symmetry) {
+  if (turn.flip && !symmetry.mirror) return false;
+  if (symmetry.order == 0) return true;
+  const double base = turn.flip ? 2.0 * symmetry.mirror_axis : 0.0;
+  const double turns = (turn.angle - base) * symmetry.order / (2.0 * M_PI);
+  return std::abs(turns - std::round(turns)) * 2.0 * M_PI / symmetry.order < 1.5 * kStep;
+}
+
+}  // namespace
+
+std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, double share_min) {
+  const Symmetry& symmetry = part.symmetry();
+  std::vector<Eigen::Vector2d> shape;
+  for (const auto& p : part.outline()) {
+    if (p.kind != LoopKind::kPrint) {
+      shape.push_back((p.position - symmetry.center) / part.radius());
+    }
+  }
+  const NearOutline near(shape, tolerance);
+  std::vector<Turn> found = findTurns(shape, near, symmetry, share_min);
+  // Exact symmetries of the shape matter only where a print tells them apart.
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [&](const Turn& turn) { return isExact(turn, symmetry); }),
+              found.end());
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Turn& a, const Turn& b) { return a.share > b.share; });
+  const int order = std::max(1, symmetry.order);
+  std::vector<Lookalike> out;
+  for (int k = 0; k < order && part.hasPrint(); ++k) {
+    const double angle = 2.0 * M_PI * k / order;
+    if (k > 0) out.push_back({turned(part, symmetry.center, false, angle), false, true, {}, {}});
+    if (symmetry.mirror) {
+      out.push_back({turned(part, symmetry.center, true, 2.0 * symmetry.mirror_axis + angle),
+                     true,
+                     true,
+                     {},
+                     {}});
+    }
+  }
+  for (const auto& f : found) {
+    Lookalike other{turned(part, symmetry.center, f.flip, f.angle), f.flip, false, {}, {}};
+    const Eigen::Matrix2d there = mapping(f.flip, f.angle), back = there.transpose();
+    for (std::size_t i = 0; i < shape.size(); ++i) {  // shape points come first in outline()
+      if (!near(there * shape[i])) other.only_lookalike.push_back(static_cast<int>(i));
+      if (!near(back * shape[i])) other.only_part.push_back(static_cast<int>(i));
+    }
+    out.push_back(std::move(other));
+  }
+  return out;
+}
+
+int findNearOrder(const PartModel& part, double share_min) {
+  const int order = part.symmetry().order;
+  if (order == 0) return 0;
+  const double range = 2.0 * M_PI / order;
+  std::vector<double> angles;  // of the turns that all but keep the shape, in (0, range)
+  const double shape = static_cast<double>(
+      std::count_if(part.outline().begin(), part.outline().end(),
+                    [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; }));
+  for (const auto& other : part.lookalikes()) {
+    if (other.flips || other.exact || other.only_lookalike.size() > (1.0 - share_min) * shape)
+      continue;
+    const Eigen::Matrix3d& R = other.T_part_lookalike.linear();
+    angles.push_back(std::fmod(std::atan2(R(1, 0), R(0, 0)) + 2.0 * M_PI, range));
+  }
+  const auto has = [&](double angle) {
+    return std::any_of(angles.begin(), angles.end(),
+                       [angle](double a) { return std::abs(a - angle) < 0.02; });
+  };
+  for (int n = static_cast<int>(angles.size()) + 1; n > 1; --n) {
+    bool all = true;
+    for (int k = 1; k < n && all; ++k) all = has(range * k / n);
+    if (all) return n * order;
+  }
+  return order;
+}
+
+}  // namespace planar_bin_picking

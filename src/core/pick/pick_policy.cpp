@@ -1,0 +1,248 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planar_bin_picking/pick/pick_policy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace planar_bin_picking {
+namespace {
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[200];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+/// Why it does not lie in the bin, if so.
+std::optional<std::string> outsideOf(const PickBin& bin, const PickCandidate& candidate) {
+  const Eigen::Matrix3d R_bin_target = bin.T_bin_target.linear();
+  const Eigen::Vector3d center = bin.T_bin_target * candidate.center;
+  const Eigen::Matrix3d covariance =
+      R_bin_target * candidate.center_covariance * R_bin_target.transpose();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double margin = boxMargin(std::sqrt(std::max(0.0, covariance(axis, axis))));
+    const double over = std::max(bin.min[axis] - center[axis], center[axis] - bin.max[axis]);
+    if (over <= margin) continue;
+    return format("its face's centre lies %.3f m outside of the bin's box along %c, margin %.3f m",
+                  over, "xyz"[axis], margin);
+  }
+  return std::nullopt;
+}
+
+/// Whether a tool of that radius and height touches no wall on its way out of the bin.
+bool toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBin& bin, double room,
+                double height) {
+  constexpr int kSteps = 20;
+  const Eigen::Isometry3d T_bin_pick = bin.T_bin_target * T_target_pick;
+  const Eigen::Vector3d tip = T_bin_pick.translation(), axis = T_bin_pick.linear().col(2);
+  // The tool stands on the part against the stroke; what is above the walls is free.
+  const double rise = -axis.z(), below = bin.max.z() - tip.z();
+  double length = rise > 0.0 ? std::max(0.0, below / rise) : 0.0;
+  if (height > 0.0) length = std::min(length, height);
+  for (int i = 0; i <= kSteps; ++i) {
+    const Eigen::Vector3d p = tip - axis * (length * i / kSteps);
+    if (p.x() - room < bin.min.x() || p.x() + room > bin.max.x() || p.y() - room < bin.min.y() ||
+        p.y() + room > bin.max.y())
+      return false;
+  }
+  return true;
+}
+
+/// Whether something covers the face where the tool goes, or within `radius` about it.
+bool isCovered(const PickFace& face, const Eigen::Isometry3d& T_target_pick, double radius) {
+  const Eigen::Vector3d pick = face.T_target_part.inverse() * T_target_pick.translation();
+  const double reach = radius + 0.5 * face.cell_size;
+  return std::any_of(face.covered.begin(), face.covered.end(), [&](const Eigen::Vector2d& cell) {
+    return (cell - pick.head<2>()).norm() <= reach;
+  });
+}
+
+/// What the matter is with such parts, and what helps.
+const char* remedyFor(PickRefusal reason) {
+  switch (reason) {
+    case PickRefusal::kLowScore:
+      return "have too low a score: check light and focus, or lower pick/score_min";
+    case PickRefusal::kOccluded:
+      return "are covered: stir or shake the bin, lower pick/visible_min, or use a thinner tool";
+    case PickRefusal::kTilt:
+      return "lie too steep: stir or shake the bin, or raise pick/tilt_max_deg";
+    case PickRefusal::kWall:
+      return "lie at the wall: shake the bin, give the part a pick pose farther inside, or use a "
+             "thinner tool";
+    case PickRefusal::kFailedBefore:
+      return "could not be picked before: look at the gripper and at the pick poses, or stir the "
+             "bin";
+    case PickRefusal::kOutside:
+      return "lie outside of the cell's distances or of its bin: put them back into the bin, or "
+             "correct the numbers in the cell's file";
+    case PickRefusal::kNoPickPose:
+      return "show a face for which their file has no pick pose: give it one, or have them turned "
+             "over";
+    case PickRefusal::kWrongFace:
+      return "lie with the other face up than asked for: ask for the face ANY, or have them turned "
+             "over";
+    case PickRefusal::kBeyondMaxParts:
+      return "are more than max_parts asks for";
+  }
+  return "";
+}
+
+}  // namespace
+
+double boxMargin(double sigma) {
+  constexpr double kBoxIsKnownTo = 0.005;  // m; what measuring a bin in with a robot comes to
+  constexpr double kSigmas = 3.0;
+  constexpr double kMostOfPosition = 0.015;  // m; a vague pose must not reach into the next bin
+  return kBoxIsKnownTo + std::min(kSigmas * sigma, kMostOfPosition);
+}
+
+PickPolicy::PickPolicy(const PickParams& params) : params_(params) {
+  PickParams::fields(params_, [](const char* key, auto value, auto min, auto max) {
+    if (value >= min && value <= max) return;
+    std::ostringstream text;
+    text << key << " is " << value << ", must lie in " << min << " .. " << max;
+    throw std::invalid_argument(text.str());
+  });
+}
+
+PickPolicy::Failure* PickPolicy::find(const PickCandidate& candidate) {
+  for (Failure& failure : failures_) {
+    if (failure.part == candidate.part &&
+        (failure.center - candidate.center).norm() <= params_.same_place)
+      return &failure;
+  }
+  return nullptr;
+}
+
+PickTool PickPolicy::toolOf(const PickCandidate& candidate) const {
+  return {candidate.tool.radius.value_or(params_.tool_radius),
+          candidate.tool.height.value_or(params_.tool_height)};
+}
+
+int PickPolicy::recall(const PickCandidate& candidate) {
+  Failure* const failure = find(candidate);
+  if (failure == nullptr) return 0;
+  if (difference(failure->surroundings, candidate.surroundings) <= params_.changed_grey)
+    return failure->count;
+  failures_.erase(failures_.begin() + (failure - failures_.data()));
+  return 0;
+}
+
+std::optional<Refused> PickPolicy::dropBarred(const PickCandidate& candidate,
+                                              const std::optional<PickBin>& bin,
+                                              PickPlan::Offer* offer) const {
+  const PickTool tool = toolOf(candidate);
+  const double radius = *tool.radius, room = radius + params_.wall_clearance;
+  const auto& picks = candidate.T_target_pick;
+  std::size_t covered = 0;
+  for (std::size_t k = 0; k < picks.size(); ++k) {
+    if (radius > 0.0 && bin && !toolIsFree(picks[k], *bin, room, *tool.height)) continue;
+    if (radius > 0.0 && isCovered(candidate.face, picks[k], radius)) {
+      ++covered;
+    } else {
+      offer->picks.push_back(k);
+    }
+  }
+  if (!offer->picks.empty() || picks.empty()) return std::nullopt;
+  return covered > 0
+             ? Refused{offer->candidate, PickRefusal::kOccluded,
+                       format("something lies where a tool of radius %.3f m would go", radius)}
+             : Refused{offer->candidate, PickRefusal::kWall,
+                       format("a tool of radius %.3f m would touch the bin's wall", radius)};
+}
+
+std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
+                                           const std::optional<PickBin>& bin,
+                                           const PickPlan::Offer& offer,
+                                           const std::optional<Refused>& barred) const {
+  const auto refuse = [&](PickRefusal reason, const std::string& text) {
+    return Refused{offer.candidate, reason, text};
+  };
+  if (candidate.withheld) return refuse(*candidate.withheld, candidate.withheld_text);
+  const auto outside = bin ? outsideOf(*bin, candidate) : std::nullopt;
+  if (outside) return refuse(PickRefusal::kOutside, *outside);
+  if (!candidate.other_picks.empty()) {
+    return refuse(
+        PickRefusal::kNoPickPose,
+        "none of its file's pick poses is for the face that is up: " + candidate.other_picks);
+  }
+  if (candidate.score < params_.score_min) {
+    return refuse(PickRefusal::kLowScore,
+                  format("score %.2f, at least %.2f", candidate.score, params_.score_min));
+  }
+  if (candidate.visible_fraction < params_.visible_min) {
+    return refuse(PickRefusal::kOccluded, format("%.2f of it visible, at least %.2f",
+                                                 candidate.visible_fraction, params_.visible_min));
+  }
+  if (barred && barred->reason == PickRefusal::kOccluded) return barred;
+  if (candidate.tilt_deg > params_.tilt_max_deg) {
+    return refuse(PickRefusal::kTilt, format("tilted by %.1f degrees, at most %.1f",
+                                             candidate.tilt_deg, params_.tilt_max_deg));
+  }
+  if (offer.failures >= params_.failures_max) {
+    return refuse(PickRefusal::kFailedBefore,
+                  format("%d picks failed here, and the scene is as it was", offer.failures));
+  }
+  return barred;
+}
+
+PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
+                          const std::optional<PickBin>& bin, std::size_t max_parts) {
+  PickPlan plan;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    PickPlan::Offer offer{i, {}, recall(candidates[i])};
+    const auto barred = dropBarred(candidates[i], bin, &offer);
+    const auto refused = refusal(candidates[i], bin, offer, barred);
+    if (refused) {
+      plan.refused.push_back(*refused);
+    } else {
+      plan.offers.push_back(std::move(offer));
+    }
+  }
+  std::stable_sort(plan.offers.begin(), plan.offers.end(),
+                   [](const auto& a, const auto& b) { return a.failures < b.failures; });
+  if (max_parts == 0) return plan;
+  for (std::size_t rank = max_parts; rank < plan.offers.size(); ++rank) {
+    plan.refused.push_back({plan.offers[rank].candidate, PickRefusal::kBeyondMaxParts,
+                            format("its rank is %zu, max_parts is %zu", rank + 1, max_parts)});
+  }
+  plan.offers.resize(std::min(plan.offers.size(), max_parts));
+  return plan;
+}
+
+void PickPolicy::fail(const PickCandidate& candidate) {
+  if (Failure* const known = find(candidate)) {
+    ++known->count;
+    known->surroundings = candidate.surroundings;
+    return;
+  }
+  failures_.push_back({candidate.part, candidate.center, candidate.surroundings, 1});
+}
+
+void PickPolicy::succeed(const PickCandidate& candidate) {
+  if (const Failure* const known = find(candidate))
+    failures_.erase(failures_.begin() + (known - failures_.data()));
+}
+
+std::string deadlockHint(const std::vector<Refused>& refused) {
+  std::map<PickRefusal, int> counts;
+  for (const Refused& part : refused) ++counts[part.reason];
+  std::vector<std::pair<PickRefusal, int>> ordered(counts.begin(), counts.end());
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string text;
+  for (const auto& [reason, count] : ordered) {
+    text += (text.empty() ? "" : "; ") + format("%d of %zu ", count, refused.size()) +
+            remedyFor(reason);
+  }
+  return text.empty() ? "nothing was found" : text;
+}
+
+}  // namespace planar_bin_picking

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/calibrator_checks.h"
+
+#include <sstream>
+#include <stdexcept>
+
+namespace planar_bin_picking_ros {
+
+using planar_bin_picking::BoardSighting;
+using planar_bin_picking::CalibrationRun;
+using planar_bin_picking::HandEyeResult;
+
+namespace {
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+
+std::string nameOf(const sensor_msgs::Image& image) {
+  return "\"" + image.header.frame_id + "\", " + std::to_string(image.width) + " x " +
+         std::to_string(image.height);
+}
+
+}  // namespace
+
+void checkSameCamera(const Frame& first, const Frame& other) {
+  const auto& a = *first.image;
+  const auto& b = *other.image;
+  if (a.header.frame_id == b.header.frame_id && a.width == b.width && a.height == b.height) return;
+  throw std::runtime_error("the image is of another camera than the first (" + nameOf(b) +
+                           ", was " + nameOf(a) +
+                           "); look for a second driver on the topic, or begin anew");
+}
+
+void checkNear(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other,
+               const CalibratorParams& params, const std::string& what, const std::string& where) {
+  const Eigen::Isometry3d off = one.inverse() * other;
+  const double mm = 1e3 * off.translation().norm();
+  const double deg = kDegrees * planar_bin_picking::rotationAngle(off.linear());
+  if (mm <= params.reached_mm && deg <= params.reached_deg) return;  // NaN is never near
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(3);
+  text << what << " " << mm << " mm and " << deg << " deg from " << where << "; allowed are "
+       << params.reached_mm << " mm (reached_mm) and " << params.reached_deg
+       << " deg (reached_deg)";
+  throw std::runtime_error(text.str());
+}
+
+std::string whyNoBoard(const BoardSighting& seen, const cv::Mat& image,
+                       const planar_bin_picking::Board& board) {
+  if (seen.status == BoardSighting::Status::kBlurred) {
+    return "the board is blurred at the start; focus the camera, light the board";
+  }
+  const std::string wanted = std::to_string(board.cols) + "x" + std::to_string(board.rows);
+  const std::string other = planar_bin_picking::findOtherBoard({image}, board);
+  if (other.empty()) {
+    return "the start shows no board of " + wanted +
+           " inner corners; bring it into view, light it, count its inner corners";
+  }
+  return "the start shows a board of " + other + " inner corners, not of " + wanted +
+         "; set board to " + other;
+}
+
+void explain(const CalibrationRun& run, HandEyeResult* result) {
+  using State = planar_bin_picking::PlannedPose::State;
+  int refused = 0, lost = 0;
+  for (const auto& pose : run.poses()) {
+    refused += pose.state == State::kRefused ? 1 : 0;
+    lost += pose.state == State::kLost ? 1 : 0;
+  }
+  const std::string of = " of " + std::to_string(run.poses().size()) + " poses";
+  if (refused > 0) {
+    result->reasons.push_back("the robot refused " + std::to_string(refused) + of +
+                              "; start elsewhere, or correct the workspace");
+  }
+  if (lost > 0) {
+    result->reasons.push_back("no sharp board was seen from " + std::to_string(lost) + of +
+                              "; has it been moved or covered, is there light?");
+  }
+}
+
+}  // namespace planar_bin_picking_ros

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locator/cell_params.h"
+
+#include "planar_bin_picking/locate/locator.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace planar_bin_picking_ros {
+
+namespace {
+
+void require(const bool condition, const std::string& message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
+void validateBox(const CellParams& params) {
+  require(params.bin_min.size() == 3 && params.bin_max.size() == 3,
+          "~cell/bin_frame is set: ~cell/bin_min and ~cell/bin_max must be lists of three numbers");
+  for (std::size_t i = 0; i < 3; ++i) {
+    require(std::isfinite(params.bin_min[i]) && std::isfinite(params.bin_max[i]) &&
+                params.bin_min[i] < params.bin_max[i],
+            "each number in ~cell/bin_min must be less than the one in ~cell/bin_max");
+  }
+}
+
+}  // namespace
+
+void validate(const CellParams& params) {
+  require(!params.parts_folder.empty(),
+          "~cell/parts_folder is not set: the folder with the drawings");
+  const bool has_distances = params.distance_min != 0.0 || params.distance_max != 0.0;
+  require(has_distances != params.hasBin(),
+          "set either ~cell/distance_min and ~cell/distance_max, or ~cell/bin_frame with "
+          "~cell/bin_min and ~cell/bin_max: they say where parts may lie");
+  if (params.hasBin()) {
+    validateBox(params);
+  } else {
+    require(params.bin_min.empty() && params.bin_max.empty(),
+            "~cell/bin_min or ~cell/bin_max is set without ~cell/bin_frame");
+    require(0.0 < params.distance_min && params.distance_min < params.distance_max,
+            "~cell/distance_min must be greater than 0 and less than ~cell/distance_max");
+    try {
+      planar_bin_picking::checkDistances(params.distance_min, params.distance_max);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("~cell/distance_min and ~cell/distance_max: ") +
+                                  error.what());
+    }
+  }
+}
+
+}  // namespace planar_bin_picking_ros

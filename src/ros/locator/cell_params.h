@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// What the integrator of a cell sets, below `~cell`; see config/cell.yaml. The defaults stand here
+/// and nowhere else. The parameters of the localization itself are the core's (params.h).
+
+#include "shared/transforms.h"
+
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking_ros {
+
+struct CellParams {
+  std::string parts_folder;  ///< *.yaml and *.dxf in it are the parts
+  std::string target_frame;  ///< frame of the answers; "" = the camera's
+  /// In front of the parts' tf frames; "" = defaultFramePrefix, what tells two locators apart.
+  std::string frame_prefix;
+  /// The calibrator's camera_info.yaml, in place of what comes with the images; "" = the latter.
+  std::string camera_info_file;
+  /// Where parts may lie, along the optical axis, metres: from the top of a full bin to its floor.
+  double distance_min = 0.0, distance_max = 0.0;
+  /// Or, in place of these, the bin's inner space as a box: its frame and two opposite corners in
+  /// it, metres. The distances then follow the camera.
+  std::string bin_frame;
+  std::vector<double> bin_min, bin_max;
+  /// Parts lie in a single layer on the plane z = 0 of this frame, such as a conveyor's; "" = no
+  /// such plane is known, but for ~locator/plane.
+  std::string plane_frame;
+  /// std_srvs/Trigger, called before each wait for an image: a camera's software trigger, or
+  /// the HDR node's `take`. "" = images come of themselves.
+  std::string trigger_service;
+  double trigger_timeout = 30.0;  ///< s, wall time, for trigger_service: a bracket takes its time
+  double image_timeout = 5.0;     ///< s, wall time, for calls that name none
+  double tf_timeout = 0.5;  ///< s, wall time: how much later than the image its tf may come in
+  double tf_gap_max = kTfGapMax;  ///< s, between the two samples of tf around the image
+
+  bool hasBin() const { return !bin_frame.empty(); }
+
+  /// Calls visit(key, member, min, max) for numbers and visit(key, member) for all else.
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("parts_folder", self.parts_folder);
+    visit("target_frame", self.target_frame);
+    visit("frame_prefix", self.frame_prefix);
+    visit("camera_info_file", self.camera_info_file);
+    visit("distance_min", self.distance_min, 0.0, 100.0);
+    visit("distance_max", self.distance_max, 0.0, 100.0);
+    visit("bin_frame", self.bin_frame);
+    visit("bin_min", self.bin_min);
+    visit("bin_max", self.bin_max);
+    visit("plane_frame", self.plane_frame);
+    visit("trigger_service", self.trigger_service);
+    visit("trigger_timeout", self.trigger_timeout, 0.01, 3600.0);
+    visit("image_timeout", self.image_timeout, 0.0, 3600.0);
+    visit("tf_timeout", self.tf_timeout, 0.0, 60.0);
+    visit("tf_gap_max", self.tf_gap_max, 0.001, 60.0);
+  }
+};
+
+/// @throws std::invalid_argument  naming the keys: no folder, neither distances nor a bin or both
+///         of them, an empty box, distances that the core's checkDistances refuses
+void validate(const CellParams& params);
+
+}  // namespace planar_bin_picking_ros

@@ -1,0 +1,373 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locator/locator_ros.h"
+
+#include "locator/bin_range.h"
+#include "locator/load_params.h"
+#include "locator/plane_frame.h"
+#include "planar_bin_picking/part/part_summary.h"
+#include "shared/convert.h"
+#include "shared/names.h"
+#include "shared/refusal.h"
+#include "shared/timed_call.h"
+#include "shared/transforms.h"
+
+#include <ros/console.h>
+#include <std_srvs/Trigger.h>
+
+#include <chrono>
+#include <cstdio>
+#include <sstream>
+
+namespace planar_bin_picking_ros {
+
+using planar_bin_picking::Camera;
+using planar_bin_picking::FaceFilter;
+using planar_bin_picking::LocatePart;
+using planar_bin_picking::LocateRequest;
+
+namespace {
+
+/// Served at once; further ones queue up. Most of them wait for an image, which costs a thread.
+constexpr std::size_t kCalls = 32;
+constexpr double kLongestWait = 3600.0;  ///< s; a call that waits longer has been forgotten
+constexpr int kLeastPixels = 64;         ///< per side, as Locator::locate has it
+
+ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
+  nh.setCallbackQueue(queue);
+  return nh;
+}
+
+FaceFilter faceFilter(const std::uint8_t face) {
+  using Request = planar_bin_picking::LocatePart::Request;
+  switch (face) {
+    case Request::ANY:
+      return FaceFilter::kAny;
+    case Request::FRONT:
+      return FaceFilter::kFront;
+    case Request::BACK:
+      return FaceFilter::kBack;
+  }
+  throw Refusal(planar_bin_picking::LocatePart::Response::BAD_REQUEST,
+                "face is " + std::to_string(face) + "; it must be ANY (0), FRONT (1) or BACK (2)");
+}
+
+std::optional<Camera> loadCameraFile(const std::string& path) {
+  if (path.empty()) return std::nullopt;
+  return planar_bin_picking::loadCamera(path);
+}
+
+/// @throws Refusal  BAD_REQUEST: a time that no image can meet
+void checkTimes(const LocatePart::Request& request) {
+  const auto refuse = [](const std::string& text) {
+    throw Refusal(LocatePart::Response::BAD_REQUEST, text);
+  };
+  if (request.timeout < ros::Duration(0))
+    refuse("timeout is negative; zero means the cell's image_timeout");
+  if (request.timeout.toSec() > kLongestWait)
+    refuse("timeout is " + std::to_string(request.timeout.toSec()) + " s; an hour is the most");
+  const ros::Time now = ros::Time::now();
+  if (!now.isZero() && request.not_before.toSec() - now.toSec() > kLongestWait) {
+    refuse("not_before lies " + std::to_string(request.not_before.toSec() - now.toSec()) +
+           " s in the future; give the time at which the robot stood still, or zero for now");
+  }
+}
+
+void checkSize(const sensor_msgs::Image& image) {
+  if (image.width >= kLeastPixels && image.height >= kLeastPixels) return;
+  throw Refusal(LocatePart::Response::BAD_IMAGE,
+                "image: is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                    " pixels, must have " + std::to_string(kLeastPixels) +
+                    " each way; check the driver's region of interest");
+}
+
+/// Takes out parts that cannot be located in such a picture.
+/// @return  what is wrong with them; "" where nothing is
+/// @throws Refusal  BAD_PART_SIZE: none is left
+std::string dropUnsuitable(const Camera& camera, LocateRequest* request) {
+  std::string text;
+  std::vector<PartPtr> suitable;
+  for (const PartPtr& part : request->parts) {
+    try {
+      planar_bin_picking::checkPartSize(*part, camera, request->distance_min,
+                                        request->distance_max);
+      suitable.push_back(part);
+    } catch (const planar_bin_picking::PartSizeError& error) {
+      text += (text.empty() ? "" : "; ") + std::string(error.what());
+    }
+  }
+  if (suitable.empty()) throw Refusal(LocatePart::Response::BAD_PART_SIZE, text);
+  request->parts = suitable;
+  return text;
+}
+
+/// How many poses the plane ruled out.
+std::size_t offPlane(const planar_bin_picking::Report& report) {
+  const auto& stages = report.stages;
+  for (std::size_t i = 1; i < stages.size(); ++i)
+    if (stages[i].name == "plane") return stages[i - 1].out - stages[i].out;
+  return 0;
+}
+
+std::string nothingFound(const double threshold, const LocateRequest& request,
+                         const planar_bin_picking::Report& report) {
+  char text[300];
+  std::snprintf(text, sizeof text,
+                "nothing scored %.2f or more between %.3f and %.3f m from the camera; if there are "
+                "parts, look at ~overlay, check light, focus and these distances",
+                threshold, request.distance_min, request.distance_max);
+  const std::size_t off = offPlane(report);
+  if (off == 0) return text;
+  return text +
+         ("; " + std::to_string(off) + " poses lay off the plane: check where it is said to " +
+          "be, and the parts' thickness_mm");
+}
+
+}  // namespace
+
+/// Fills in the answer's times, step by step.
+class LocatorRos::Stopwatch {
+ public:
+  explicit Stopwatch(Response& response) : response_(response) {}
+  void lap(const std::string& stage) {
+    const auto now = std::chrono::steady_clock::now();
+    add(stage, std::chrono::duration<double>(now - last_).count());
+    last_ = now;
+  }
+  void lap(const std::vector<planar_bin_picking::Report::Stage>& stages) {
+    for (const auto& stage : stages) add(stage.name, stage.seconds);
+    last_ = std::chrono::steady_clock::now();
+  }
+
+ private:
+  void add(const std::string& stage, const double seconds) {
+    response_.times.emplace_back();
+    response_.times.back().stage = stage;
+    response_.times.back().seconds = seconds;
+  }
+
+  Response& response_;
+  SteadyTime last_ = std::chrono::steady_clock::now();
+};
+
+LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
+    : locator_(loadLocatorParams(readTree(pnh, kLocatorParams))),
+      cell_(loadCellParams(readTree(pnh, kCellParams))),
+      camera_(loadCameraFile(cell_.camera_info_file)),
+      library_(cell_.parts_folder),
+      image_nh_(onQueue(nh, &image_queue_)),
+      call_pnh_(onQueue(pnh, &call_queue_)),
+      prompt_pnh_(onQueue(pnh, &prompt_queue_)),
+      tf_buffer_(cell_.tf_gap_max),
+      tf_listener_(tf_buffer_),
+      source_(image_nh_, pnh),
+      publisher_(call_pnh_, prompt_pnh_, cell_.frame_prefix),
+      picks_(loadPickParams(readTree(pnh, kPickParams))),
+      image_spinner_(1, &image_queue_),
+      call_spinner_(kCalls, &call_queue_),
+      prompt_spinner_(1, &prompt_queue_) {
+  checkOnePlane(cell_, locator_.params().plane);
+  ROS_INFO_STREAM("locator:" << describe(locator_.params()));
+  ROS_INFO_STREAM("cell:" << describe(cell_));
+  for (const auto& [name, part] : library_.parts()) {
+    const auto summary = planar_bin_picking::describePart(*part);
+    ROS_INFO_STREAM("part '" << name << "': " << toLine(summary));
+    for (const auto& warning : summary.warnings)
+      ROS_WARN_STREAM("part '" << name << "': " << warning);
+  }
+  for (const auto& [name, error] : library_.errors()) {
+    ROS_ERROR_STREAM("part '" << name << "' is not available: " << error);
+  }
+  service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
+  report_service_ =
+      prompt_pnh_.advertiseService(kReportPickService, &LocatorRos::serveReport, this);
+  image_spinner_.start();
+  call_spinner_.start();
+  prompt_spinner_.start();
+  ROS_INFO_STREAM("ready: images from " << source_.topic() << ", calls on "
+                                        << service_.getService());
+}
+
+LocatorRos::~LocatorRos() {
+  source_.close();  // before the spinner, which waits for the calls that are being served
+  service_.shutdown();
+  report_service_.shutdown();
+  call_spinner_.stop();
+  prompt_spinner_.stop();
+  image_spinner_.stop();
+}
+
+bool LocatorRos::serve(Event<LocatePart>& event) {
+  const Request& request = event.getRequest();
+  Response& response = event.getResponse();
+  try {
+    answer(event.getCallerName(), request, response);
+    ROS_INFO_STREAM("locate_part '" << request.part << "': " << response.message);
+  } catch (const Refusal& refusal) {
+    response.status = refusal.status();
+    response.message = refusal.what();
+    ROS_WARN_STREAM("locate_part '" << request.part << "': " << response.message);
+  } catch (const std::exception& error) {
+    response.status = Response::INTERNAL_ERROR;
+    response.message = std::string(error.what()) + "; please report this with the image";
+    ROS_ERROR_STREAM("locate_part '" << request.part << "': " << response.message);
+  }
+  return true;  // the call itself worked, whatever its status
+}
+
+bool LocatorRos::serveReport(Event<planar_bin_picking::ReportPick>& event) {
+  picks_.report(event.getCallerName(), event.getRequest(), &event.getResponse());
+  ROS_INFO_STREAM("report_pick '" << event.getRequest().child_frame
+                                  << "': " << event.getResponse().message);
+  return true;
+}
+
+Camera LocatorRos::cameraOf(const Frame& frame) const {
+  if (!camera_) return toCamera(*frame.info, *frame.image);
+  const Camera::Model& model = camera_->model();
+  const int width = static_cast<int>(frame.image->width);
+  const int height = static_cast<int>(frame.image->height);
+  if (model.width == width && model.height == height) return *camera_;
+  std::ostringstream text;
+  text << "camera_info: " << cell_.camera_info_file << " is for " << model.width << " x "
+       << model.height << " pixels, the image has " << width << " x " << height
+       << "; calibrate at this resolution";
+  throw Refusal(planar_bin_picking::LocatePart::Response::BAD_CAMERA_INFO, text.str());
+}
+
+void LocatorRos::answer(const std::string& caller, const Request& request, Response& response) {
+  Stopwatch watch(response);
+  std::vector<PartPtr> parts = library_.select(request.part);
+  publisher_.withdraw(parts);  // whatever comes of this call, the former answer no longer holds
+  faceFilter(request.face);    // refuses a wrong request before it waits
+  checkTimes(request);
+  const Frame frame = awaitFrame(request);
+  watch.lap("wait");
+
+  const std_msgs::Header& image = frame.image->header;
+  checkSize(*frame.image);
+  Answer answer{parts, frame, toGrey(frame.image), cameraOf(frame), {}, image, {}};
+  watch.lap("convert");
+
+  answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
+  const auto T_target_camera = transform(answer.header.frame_id, image.frame_id, image.stamp);
+  LocateRequest locate_request = makeRequest(request, answer);
+  const std::string unsuitable = dropUnsuitable(answer.camera, &locate_request);
+  checkPlane(locate_request, answer.camera, locator_.params().plane);
+  answer.parts = locate_request.parts;
+  const PickKeeper::Frames frames = pickFrames(answer.header, T_target_camera);
+  watch.lap("transform");
+  {
+    // One at a time: a call uses all cores anyway, and two would need twice the memory.
+    const std::lock_guard<std::mutex> lock(locate_mutex_);
+    watch.lap("queue");
+    answer.result = locator_.locate(answer.grey, answer.camera, locate_request);
+  }
+  const planar_bin_picking::Report report = answer.result.report;
+  watch.lap(report.stages);
+
+  const auto publish = [this](Answer sorted) {
+    return publisher_.publish(std::move(sorted))->located;
+  };
+  auto offered = picks_.offer(std::move(answer), frames, {caller, request.max_parts}, publish);
+  watch.lap("publish");
+  response.parts = std::move(offered.parts);
+  response.refused = std::move(offered.refused);
+  conclude(locate_request, report, offered.hint, response);
+  if (!unsuitable.empty()) response.message += "; not looked for: " + unsuitable;
+}
+
+void LocatorRos::conclude(const LocateRequest& request, const planar_bin_picking::Report& report,
+                          const std::string& hint, Response& response) const {
+  if (!response.parts.empty()) {
+    response.status = Response::OK;
+    response.message = std::to_string(response.parts.size()) + " located";
+  } else if (!response.refused.empty()) {
+    response.status = Response::DEADLOCK;
+    response.message = "none of " + std::to_string(response.refused.size()) +
+                       " located parts can be offered: " + hint;
+  } else {
+    response.status = Response::NO_PART_FOUND;
+    response.message = nothingFound(locator_.params().score.threshold, request, report);
+  }
+}
+
+Frame LocatorRos::awaitFrame(const Request& request) {
+  const ros::Duration timeout =
+      request.timeout.isZero() ? ros::Duration(cell_.image_timeout) : request.timeout;
+  if (cell_.trigger_service.empty()) return source_.await(request.not_before, timeout);
+  // Taken before the trigger is sent: its image may be here before its answer is.
+  const SteadyTime sent = std::chrono::steady_clock::now();
+  const ros::Time not_before = request.not_before.isZero() ? ros::Time::now() : request.not_before;
+  trigger();
+  return source_.await(not_before, timeout, sent);
+}
+
+void LocatorRos::trigger() {
+  std_srvs::Trigger service;
+  const std::string name = image_nh_.resolveName(cell_.trigger_service);
+  std::string why =
+      " is not answered by anybody; start what takes the images, or correct "
+      "~cell/trigger_service";
+  switch (callWithin(image_nh_, name, cell_.trigger_timeout, &service)) {
+    case CallEnd::kAnswered:
+      if (service.response.success) return;
+      why = " made no image: " + service.response.message;
+      break;
+    case CallEnd::kLate:
+      why =
+          " did not answer within ~cell/trigger_timeout; look at the node that takes the images, "
+          "or allow it more time";
+      break;
+    case CallEnd::kNobody:
+    case CallEnd::kFailed:
+      break;
+  }
+  throw Refusal(Response::NO_IMAGE, "the trigger " + name + why);
+}
+
+PickKeeper::Frames LocatorRos::pickFrames(const std_msgs::Header& answer,
+                                          const Eigen::Isometry3d& T_target_camera) const {
+  PickKeeper::Frames frames{T_target_camera, std::nullopt};
+  if (!cell_.hasBin()) return frames;
+  frames.bin.emplace();
+  frames.bin->T_bin_target = transform(cell_.bin_frame, answer.frame_id, answer.stamp);
+  frames.bin->min = Eigen::Vector3d(cell_.bin_min[0], cell_.bin_min[1], cell_.bin_min[2]);
+  frames.bin->max = Eigen::Vector3d(cell_.bin_max[0], cell_.bin_max[1], cell_.bin_max[2]);
+  return frames;
+}
+
+Eigen::Isometry3d LocatorRos::transform(const std::string& target, const std::string& source,
+                                        const ros::Time& stamp) const {
+  if (target == source) return Eigen::Isometry3d::Identity();
+  const LookupResult found =
+      lookup(tf_buffer_, target, source, stamp, std::chrono::duration<double>(cell_.tf_timeout));
+  if (!found.T_target_source) {
+    throw Refusal(Response::NO_TRANSFORM,
+                  "no transform from " + source + " to " + target +
+                      " at the image's stamp: " + found.reason +
+                      "; check that the robot publishes tf and the hand-eye calibration");
+  }
+  return *found.T_target_source;
+}
+
+LocateRequest LocatorRos::makeRequest(const Request& request, const Answer& answer) const {
+  const std_msgs::Header& image = answer.frame.image->header;
+  DistanceRange range{cell_.distance_min, cell_.distance_max};
+  if (cell_.hasBin()) {
+    range = distanceRange(cell_, transform(image.frame_id, cell_.bin_frame, image.stamp));
+  }
+  LocateRequest locate_request;
+  locate_request.parts = answer.parts;
+  locate_request.distance_min = range.min;
+  locate_request.distance_max = range.max;
+  locate_request.face = faceFilter(request.face);
+  locate_request.max_parts = 0;  // the pick policy cuts, after it has taken out what it refuses
+  if (!cell_.plane_frame.empty()) {
+    locate_request.plane =
+        planeOfFrame(cell_.plane_frame, transform(image.frame_id, cell_.plane_frame, image.stamp));
+  }
+  return locate_request;
+}
+
+}  // namespace planar_bin_picking_ros

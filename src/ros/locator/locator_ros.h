@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// The locator as a ROS node: waits for images, answers LocatePart, publishes what it found, and
+/// takes in with ReportPick what came of it. The nodelet and the node are two shells around it.
+///
+/// Calls wait and compute in threads of their own, beside the one that takes in images and the one
+/// for what is done at once (reports, tf frames), so that a waiting call keeps neither an image nor
+/// another call from coming in, however few worker threads a nodelet manager has.
+
+#include "locator/answer/answer_publisher.h"
+#include "locator/cell_params.h"
+#include "locator/part_library.h"
+#include "locator/pick_keeper.h"
+#include "planar_bin_picking/locate/locator.h"
+#include "shared/image_source.h"
+#include "shared/transform_listener.h"
+
+#include <planar_bin_picking/LocatePart.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking_ros {
+
+class LocatorRos {
+ public:
+  /// @throws std::exception  a parameter or the parts folder is wrong: which one and why
+  LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
+  ~LocatorRos();
+  LocatorRos(const LocatorRos&) = delete;
+  LocatorRos& operator=(const LocatorRos&) = delete;
+
+ private:
+  using Request = planar_bin_picking::LocatePart::Request;
+  using Response = planar_bin_picking::LocatePart::Response;
+  class Stopwatch;
+
+  template <class Service>
+  using Event = ros::ServiceEvent<typename Service::Request, typename Service::Response>;
+
+  bool serve(Event<planar_bin_picking::LocatePart>& event);
+  bool serveReport(Event<planar_bin_picking::ReportPick>& event);
+  /// The steps of a call. @throws Refusal  there is no answer
+  void answer(const std::string& caller, const Request& request, Response& response);
+
+  Frame awaitFrame(const Request& request);
+  /// As the file says, where there is one, or else as its camera_info. @throws Refusal
+  planar_bin_picking::Camera cameraOf(const Frame& frame) const;
+  /// Asks for an image where images do not come of themselves. @throws Refusal  NO_IMAGE
+  void trigger();
+  /// @throws Refusal  NO_TRANSFORM
+  Eigen::Isometry3d transform(const std::string& target, const std::string& source,
+                              const ros::Time& stamp) const;
+  planar_bin_picking::LocateRequest makeRequest(const Request& request, const Answer& answer) const;
+  PickKeeper::Frames pickFrames(const std_msgs::Header& answer,
+                                const Eigen::Isometry3d& T_target_camera) const;
+  /// Status and message of a call that got as far as looking at the image.
+  void conclude(const planar_bin_picking::LocateRequest& request,
+                const planar_bin_picking::Report& report, const std::string& hint,
+                Response& response) const;
+
+  const planar_bin_picking::Locator locator_;
+  const CellParams cell_;
+  const std::optional<planar_bin_picking::Camera> camera_;  ///< of camera_info_file
+  const PartLibrary library_;
+
+  ros::CallbackQueue image_queue_, call_queue_, prompt_queue_;
+  ros::NodeHandle image_nh_, call_pnh_, prompt_pnh_;
+  TransformBuffer tf_buffer_;
+  TransformListener tf_listener_;  // has a thread of its own
+  ImageSource source_;
+  AnswerPublisher publisher_;
+  PickKeeper picks_;
+  std::mutex locate_mutex_;
+  ros::ServiceServer service_, report_service_;
+  ros::AsyncSpinner image_spinner_, call_spinner_, prompt_spinner_;
+};
+
+}  // namespace planar_bin_picking_ros

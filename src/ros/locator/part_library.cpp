@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locator/part_library.h"
+
+#include "planar_bin_picking/part/part_file.h"
+#include "shared/refusal.h"
+
+#include <planar_bin_picking/LocatePart.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+namespace planar_bin_picking_ros {
+
+namespace fs = std::filesystem;
+using planar_bin_picking::LocatePart;
+using planar_bin_picking::PartModel;
+
+namespace {
+
+std::string extension(const fs::path& path) {
+  std::string text = path.extension().string();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](const unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+bool isYaml(const fs::path& path) {
+  return extension(path) == ".yaml" || extension(path) == ".yml";
+}
+
+/// Follows links; false where they lead nowhere or out of the folder.
+bool isWithin(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  if (error) return false;
+  const fs::path inside = real.lexically_relative(fs::canonical(folder, error));
+  return !error && !inside.empty() && *inside.begin() != "..";
+}
+
+/// Why a file of the folder is not even opened; "" where it may be.
+std::string whyNotOpened(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  // A directory cannot be read, and a FIFO or a device might never end.
+  if (!fs::is_regular_file(path, error)) return path.string() + ": is no regular file";
+  if (isWithin(folder, path)) return "";
+  return path.string() + ": is a link out of the parts folder; copy the file into it";
+}
+
+struct Found {
+  std::map<std::string, fs::path> files;      ///< part name -> the file to load it from
+  std::map<std::string, std::string> errors;  ///< part name -> why it has none
+  std::map<std::string, std::string>
+      owners;  ///< drawing that is no part itself -> part that has it
+};
+
+/// Parts in yaml files, and the drawings that these name. What else is wrong with a file, loading
+/// it says.
+void findYamlParts(const fs::path& folder, const std::vector<fs::path>& yamls,
+                   std::map<fs::path, std::string>* claimed, Found* found) {
+  for (const fs::path& yaml : yamls) {
+    const std::string name = yaml.stem().string();
+    std::string error = whyNotOpened(folder, yaml);
+    if (error.empty()) {
+      const auto drawing = planar_bin_picking::drawingNamedBy(yaml.string());
+      if (drawing) claimed->emplace(*drawing, name);
+    }
+    if (error.empty()) {
+      found->files[name] = yaml;
+    } else {
+      found->errors[name] = error;
+    }
+  }
+}
+
+Found findParts(const fs::path& folder) {
+  std::vector<fs::path> yamls, drawings;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (isYaml(entry.path())) yamls.push_back(entry.path());
+    if (extension(entry.path()) == ".dxf") drawings.push_back(entry.path());
+  }
+  std::sort(yamls.begin(), yamls.end());  // whatever order the file system has them in
+  Found found;
+  std::map<fs::path, std::string> claimed;
+  findYamlParts(folder, yamls, &claimed, &found);
+  for (const auto& drawing : drawings) {
+    const std::string name = drawing.stem().string();
+    const auto owner = claimed.find(drawing.lexically_normal());
+    if (owner != claimed.end()) found.owners.emplace(name, owner->second);
+    if (owner != claimed.end() || found.errors.count(name) > 0) continue;
+    const std::string error = whyNotOpened(folder, drawing);
+    if (error.empty()) {
+      found.files.emplace(name, drawing);
+    } else if (found.files.count(name) == 0) {
+      found.errors[name] = error;
+    }
+  }
+  return found;
+}
+
+template <class Map>
+std::string names(const Map& map) {
+  std::string text;
+  for (const auto& entry : map) text += (text.empty() ? "" : ", ") + entry.first;
+  return text.empty() ? "none" : text;
+}
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Refusal(LocatePart::Response::UNKNOWN_PART, message);
+}
+
+}  // namespace
+
+PartLibrary::PartLibrary(const std::string& folder) : folder_(folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw std::runtime_error("parts folder '" + folder + "' is not a folder that can be read");
+  }
+  const Found found = findParts(folder);
+  if (found.files.empty() && found.errors.empty()) {
+    throw std::runtime_error("parts folder '" + folder + "' has neither *.dxf nor *.yaml in it");
+  }
+  errors_ = found.errors;
+  owners_ = found.owners;
+  for (const auto& [name, file] : found.files) {
+    try {
+      parts_[name] =
+          std::make_shared<const PartModel>(planar_bin_picking::loadPartFile(file.string()));
+    } catch (const std::exception& failure) {
+      errors_[name] = failure.what();
+    }
+  }
+}
+
+std::vector<PartPtr> PartLibrary::select(const std::string& name) const {
+  std::vector<PartPtr> selected;
+  if (name.empty()) {
+    for (const auto& entry : parts_) selected.push_back(entry.second);
+    if (selected.empty())
+      refuse("none of the parts in " + folder_ + " could be loaded: " + names(errors_));
+    return selected;
+  }
+  const auto found = parts_.find(name);
+  if (found != parts_.end()) return {found->second};
+  const auto error = errors_.find(name);
+  if (error != errors_.end()) {
+    refuse("part '" + name + "' could not be loaded: " + error->second +
+           "; correct the file and restart the node");
+  }
+  const auto owner = owners_.find(name);
+  if (owner != owners_.end()) {
+    refuse("there is no part '" + name + "': its drawing is that of part '" + owner->second +
+           "', whose file names it; ask for that part, or write the file " + name + ".yaml, too, " +
+           "and restart the node");
+  }
+  refuse("there is no part '" + name + "' in " + folder_ + " (there is: " + names(parts_) +
+         "); add its drawing and restart the node");
+}
+
+}  // namespace planar_bin_picking_ros

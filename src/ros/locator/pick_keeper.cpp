@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locator/pick_keeper.h"
+
+#include "planar_bin_picking/image/grey.h"
+#include "shared/convert.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace planar_bin_picking_ros {
+
+using planar_bin_picking::Detection;
+using planar_bin_picking::Face;
+using planar_bin_picking::FaceFilter;
+using planar_bin_picking::LocatedPart;
+using planar_bin_picking::PartModel;
+using planar_bin_picking::PickCandidate;
+using planar_bin_picking::PickRefusal;
+using planar_bin_picking::PickScene;
+using planar_bin_picking::RefusedPart;
+using planar_bin_picking::ReportPick;
+using planar_bin_picking::Withheld;
+
+namespace {
+
+planar_bin_picking::PickFace faceOf(const PartModel& part, const Detection& detection,
+                                    const Eigen::Isometry3d& T_target_camera) {
+  planar_bin_picking::PickFace face;
+  face.T_target_part = T_target_camera * detection.T_camera_part;
+  for (const int cell : detection.covered) face.covered.push_back(part.faceGrid().cells()[cell]);
+  face.cell_size = part.faceGrid().cellSize();
+  return face;
+}
+
+/// Of the face's normal against the bin's floor, or without a bin against the image plane.
+double tiltDegrees(const Detection& detection, const PickKeeper::Frames& frames) {
+  const Eigen::Vector3d normal_camera = detection.T_camera_part.linear().col(2);
+  const double cosine =
+      frames.bin
+          ? (frames.bin->T_bin_target * frames.T_target_camera).linear().row(2).dot(normal_camera)
+          : normal_camera.z();
+  return std::acos(std::min(1.0, std::abs(cosine))) * 180.0 / M_PI;
+}
+
+/// Which pick poses the part's file has, where it has some and the located part has none.
+std::string otherPicks(const PartModel& part, const LocatedPart& located) {
+  std::string text;
+  if (!located.picks.empty()) return text;
+  for (const auto& pick : part.file().pick_poses) {
+    const bool front = pick.face == FaceFilter::kFront;
+    text += (text.empty() ? "" : ", ") + pick.name + (front ? " (front)" : " (back)");
+  }
+  return text;
+}
+
+/// One detection, what of it is answered, and what the policy judges it by.
+struct Entry {
+  Detection detection;
+  LocatedPart located;
+  PickCandidate candidate;
+};
+
+Entry entryOf(const Answer& answer, const PickScene& scene, const Detection& detection,
+              const PickKeeper::Frames& frames) {
+  const PartModel& part = *answer.parts[detection.part];
+  const Eigen::Vector3d center(part.center().x(), part.center().y(), part.faceZ(detection.face));
+  Entry entry{detection, toMsg(detection, part, frames.T_target_camera), {}};
+  LocatedPart& located = entry.located;
+  PickCandidate& candidate = entry.candidate;
+  located.header = answer.header;
+  candidate.part = located.part;
+  candidate.face = faceOf(part, detection, frames.T_target_camera);
+  candidate.center = candidate.face.T_target_part * center;
+  const Eigen::Matrix3d R_target_part = candidate.face.T_target_part.linear();
+  candidate.center_covariance =
+      R_target_part * detection.covariance.topLeftCorner<3, 3>() * R_target_part.transpose();
+  candidate.score = located.score;
+  candidate.visible_fraction = located.visible_fraction;
+  candidate.tilt_deg = tiltDegrees(detection, frames);
+  for (const auto& pick : located.picks) candidate.T_target_pick.push_back(fromMsg(pick.pose));
+  candidate.other_picks = otherPicks(part, located);
+  candidate.tool = part.file().tool;
+  constexpr double kAround = 1.2;  // radii
+  candidate.surroundings = planar_bin_picking::cutSurroundings(scene, detection.T_camera_part,
+                                                               center, kAround * part.radius());
+  return entry;
+}
+
+/// All that was found; what the locator itself withheld says so.
+std::vector<Entry> entriesOf(const Answer& answer, const PickKeeper::Frames& frames) {
+  const PickScene scene{answer.grey, planar_bin_picking::bitsInUse(answer.grey), answer.camera};
+  std::vector<Entry> entries;
+  for (const Detection& detection : answer.result.detections)
+    entries.push_back(entryOf(answer, scene, detection, frames));
+  for (const auto& withheld : answer.result.withheld) {
+    entries.push_back(entryOf(answer, scene, withheld.detection, frames));
+    entries.back().candidate.withheld =
+        withheld.reason == Withheld::kOutside ? PickRefusal::kOutside : PickRefusal::kWrongFace;
+    entries.back().candidate.withheld_text = withheld.text;
+  }
+  return entries;
+}
+
+std::uint8_t reasonOf(const PickRefusal reason) {
+  switch (reason) {
+    case PickRefusal::kLowScore:
+      return RefusedPart::LOW_SCORE;
+    case PickRefusal::kOccluded:
+      return RefusedPart::OCCLUDED;
+    case PickRefusal::kTilt:
+      return RefusedPart::TILT;
+    case PickRefusal::kWall:
+      return RefusedPart::WALL;
+    case PickRefusal::kFailedBefore:
+      return RefusedPart::FAILED_BEFORE;
+    case PickRefusal::kOutside:
+      return RefusedPart::OUTSIDE;
+    case PickRefusal::kNoPickPose:
+      return RefusedPart::NO_PICK_POSE;
+    case PickRefusal::kWrongFace:
+      return RefusedPart::WRONG_FACE;
+    case PickRefusal::kBeyondMaxParts:
+      break;
+  }
+  return RefusedPart::BEYOND_MAX_PARTS;
+}
+
+}  // namespace
+
+PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const Call& call,
+                                      const Publish& publish) {
+  const std::vector<Entry> entries = entriesOf(answer, frames);
+  std::vector<PickCandidate> candidates;
+  for (const Entry& entry : entries) candidates.push_back(entry.candidate);
+
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto plan = policy_.plan(candidates, frames.bin, call.max_parts);
+  Offered offered;
+  offered.hint = planar_bin_picking::deadlockHint(plan.refused);
+  for (const auto& entry : plan.refused) {
+    RefusedPart refused;
+    refused.reason = reasonOf(entry.reason);
+    refused.text = entry.text;
+    refused.located = entries[entry.candidate].located;
+    offered.refused.push_back(refused);
+  }
+  answer.located.clear();
+  answer.result.detections.clear();
+  for (const auto& offer : plan.offers) {
+    const Entry& entry = entries[offer.candidate];
+    answer.located.push_back(entry.located);
+    answer.located.back().picks.clear();
+    for (const std::size_t k : offer.picks)
+      answer.located.back().picks.push_back(entry.located.picks[k]);
+    answer.result.detections.push_back(entry.detection);
+  }
+  Open open{call.caller, answer.frame.received, {}};
+  const std::vector<PartPtr> asked_for = answer.parts;
+  offered.parts = publish(std::move(answer));
+  for (std::size_t i = 0; i < offered.parts.size(); ++i)
+    open.parts.push_back({offered.parts[i], candidates[plan.offers[i].candidate]});
+  keep(std::move(open), asked_for);
+  return offered;
+}
+
+void PickKeeper::keep(Open answer, const std::vector<PartPtr>& asked_for) {
+  // Callers without a fixed name, such as rosservice, would pile up answers for ever.
+  constexpr std::size_t kAnswers = 100;
+  for (Open& older : open_) {
+    if (older.caller != answer.caller) continue;
+    const auto is_asked_again = [&](const Kept& kept) {
+      return std::any_of(asked_for.begin(), asked_for.end(),
+                         [&](const PartPtr& part) { return part->name() == kept.located.part; });
+    };
+    older.parts.erase(std::remove_if(older.parts.begin(), older.parts.end(), is_asked_again),
+                      older.parts.end());
+  }
+  open_.push_front(std::move(answer));
+  open_.remove_if([](const Open& open) { return open.parts.empty(); });
+  if (open_.size() > kAnswers) open_.pop_back();
+}
+
+std::optional<PickKeeper::Found> PickKeeper::find(const std::string& caller,
+                                                  const ReportPick::Request& request) {
+  std::optional<Found> found;
+  for (auto answer = open_.begin(); answer != open_.end(); ++answer) {
+    const bool is_own = answer->caller == caller;
+    if (found && !is_own) continue;  // its own comes first, then the latest
+    const auto part =
+        std::find_if(answer->parts.begin(), answer->parts.end(), [&](const Kept& kept) {
+          return kept.located.child_frame == request.child_frame &&
+                 kept.located.header.stamp == request.stamp;
+        });
+    if (part == answer->parts.end()) continue;
+    found = Found{answer, part};
+    if (is_own) break;
+  }
+  return found;
+}
+
+void PickKeeper::report(const std::string& caller, const ReportPick::Request& request,
+                        ReportPick::Response* response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = find(caller, request);
+  if (!found) {
+    response->status = ReportPick::Response::UNKNOWN_PART;
+    response->message = "no answer that still holds has a part '" + request.child_frame +
+                        "' of that stamp that was not reported yet; report child_frame and "
+                        "header.stamp of the LocatedPart, before you ask for that part again";
+    return;
+  }
+  response->status = ReportPick::Response::LOCATE;
+  const auto [answer, part] = *found;
+  if (request.success) {
+    policy_.succeed(part->candidate);
+    scene_changed_ = std::chrono::steady_clock::now();
+    open_.erase(answer);
+    response->message = "picked; the scene has changed: locate again";
+    return;
+  }
+  policy_.fail(part->candidate);
+  const bool is_old = answer->received < scene_changed_;
+  answer->parts.erase(part);
+  if (!answer->parts.empty() && !is_old) {
+    response->status = ReportPick::Response::NEXT;
+    response->next = answer->parts.front().located;
+    response->message = "failed; next in rank: " + response->next.child_frame;
+    return;
+  }
+  response->message = is_old ? "failed, and the scene has changed since the image: locate again"
+                             : "failed, and nothing else was offered: locate again";
+  if (answer->parts.empty()) open_.erase(answer);
+}
+
+}  // namespace planar_bin_picking_ros

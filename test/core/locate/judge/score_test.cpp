@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locate/judge/score.h"
+
+#include "support/stages.h"
+
+#include <gtest/gtest.h>
+
+namespace planar_bin_picking {
+namespace {
+
+const sim::Lie kLie{20, -10, 600, 35, 6};
+
+ScoredPose scored(const sim::Scene& scene, const std::shared_ptr<const PartModel>& part,
+                  const Eigen::Isometry3d& T_camera_part) {
+  const Shot shot = shoot(scene);
+  return scorePoses(shot.edges, shot.camera, {part}, {refinedAt(T_camera_part)}, {}, 1).at(0);
+}
+
+TEST(Score, ATruePoseScoresHigh) {
+  const auto part = makePart("bracket", bracketPlate());
+  for (const bool front : {true, false}) {
+    sim::Lie lie = kLie;
+    lie.front = front;
+    const auto pose = scored(sceneOf(bracketPlate(), lie), part, sim::poseOf(lie));
+    EXPECT_GT(pose.score, 0.85);
+    EXPECT_LE(pose.score, 1.0);
+    EXPECT_GT(pose.visible_fraction, 0.97);
+    EXPECT_LE(pose.visible_fraction, 1.0);
+  }
+}
+
+TEST(Score, ItFallsAsThePoseMovesAway) {
+  const auto part = makePart("bracket", bracketPlate());
+  const sim::Scene scene = sceneOf(bracketPlate(), kLie);
+  double last = 1.0;
+  for (const double off_mm : {0.0, 0.3, 0.6, 2.0}) {
+    const auto T = candidateNear(sim::poseOf(kLie), off_mm).T_camera_part;
+    const double score = scored(scene, part, T).score;
+    EXPECT_LT(score, last) << off_mm;
+    last = score;
+  }
+  EXPECT_LT(last, 0.5);
+}
+
+TEST(Score, NothingSpeaksForAnEmptyPlace) {
+  const auto part = makePart("bracket", bracketPlate());
+  const auto pose = scored(sim::Scene(), part, sim::poseOf(kLie));
+  EXPECT_LT(pose.score, 0.1);
+  EXPECT_LT(pose.visible_fraction, 0.1);
+}
+
+TEST(Score, WhatIsCoveredIsNotVisible) {
+  const auto part = makePart("bracket", bracketPlate());
+  sim::Scene scene = sceneOf(bracketPlate(), kLie);
+  const double all = scored(scene, part, sim::poseOf(kLie)).visible_fraction;
+  // A larger sheet over one end, darker.
+  sim::Lie over = kLie;
+  over.x_mm += 45;
+  scene.plates.push_back({{rectangle(-30, -80, 30, 80), {}, {}, 0.0}, sim::poseOf(over), 100.0});
+  const auto pose = scored(scene, part, sim::poseOf(kLie));
+  EXPECT_LT(pose.visible_fraction, all - 0.15);
+  EXPECT_GT(pose.visible_fraction, 0.3);
+}
+
+TEST(Score, AMissingHoleCostsMoreThanItsLength) {
+  const auto part = makePart("bracket", bracketPlate());
+  sim::Plate solid = bracketPlate();
+  solid.holes.clear();
+  // Holes count as much as the outer contour, see score.h.
+  EXPECT_LT(scored(sceneOf(solid, kLie), part, sim::poseOf(kLie)).score, 0.6);
+}
+
+TEST(Score, TheInsetIsFollowed) {
+  const auto part = makePart("bracket", bracketPlate());
+  sim::Plate smaller = bracketPlate();  // as if its edges were bevelled by 0.4 mm
+  smaller.outer = {{-32.6, -28.6}, {46.6, -28.6}, {46.6, -9.4},
+                   {-3.4, -9.4},   {-3.4, 20.6},  {-32.6, 20.6}};
+  smaller.holes = {circle(-18, 6, 6.4, true), circle(32, -19, 4.4, true)};
+  const Shot shot = shoot(sceneOf(smaller, kLie));
+  RefinedPose pose = refinedAt(sim::poseOf(kLie));
+  const auto score = [&] {
+    return scorePoses(shot.edges, shot.camera, {part}, {pose}, {}, 1).at(0).score;
+  };
+  const double without = score();
+  pose.inset = 0.4e-3;
+  EXPECT_GT(score(), without + 0.2);
+}
+
+}  // namespace
+}  // namespace planar_bin_picking
