@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "locate/refine/refine_image.h"
+#include "image/edge_search.h"
 
 #include <algorithm>
 #include <vector>

@@ -9,7 +9,7 @@ namespace planar_bin_picking {
 std::optional<double> wallSupport(const EdgeMap& edges, const Camera& camera,
                                   const std::vector<LocalPoint>& points, const Solid& solid,
                                   const Eigen::Isometry3d& T_camera_centre) {
-  constexpr ImageReach kAbout{2, true, 0.8};
+  constexpr SearchProfile kAbout{2, true, 0.8};
   constexpr float kWide = 2.0f;     // pixels: a wall so wide has two edges
   constexpr double kReach = 1.7;    // pixels off its place at which an edge no longer counts
   constexpr double kSeen = 0.4;     // of the upper edge

@@ -5,7 +5,7 @@
 /// Whether a part's side wall is seen where a pose puts it: on the other side of the part than its
 /// twin, tilted the other way about the line of sight, would have it.
 
-#include "locate/refine/refine_image.h"
+#include "image/edge_search.h"
 
 #include <optional>
 #include <vector>

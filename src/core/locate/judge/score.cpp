@@ -13,7 +13,7 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr ImageReach kReach{3, true, 0.8};
+constexpr SearchProfile kReach{3, true, 0.8};
 
 /// The outline's points by kind, in order along the loops.
 struct Groups {

@@ -4,7 +4,7 @@
 #include "locate/evidence/inlier_score.h"
 #include "locate/evidence/print_evidence.h"
 #include "locate/evidence/wall_evidence.h"
-#include "locate/refine/refine_field.h"
+#include "locate/refine/field_alignment.h"
 #include "locate/refine/refiner.h"
 #include "part/pose_distance.h"
 #include "part/visible_face.h"

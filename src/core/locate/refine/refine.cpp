@@ -3,7 +3,7 @@
 #include "locate/refine/refine.h"
 
 #include "locate/evidence/inlier_score.h"
-#include "locate/refine/refine_field.h"
+#include "locate/refine/field_alignment.h"
 #include "locate/refine/refiner.h"
 #include "part/part_size.h"
 #include "part/visible_face.h"
@@ -14,7 +14,7 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr ImageReach kNarrow{4, true, 0.8};
+constexpr SearchProfile kNarrow{4, true, 0.8};
 // Pixels off the outline at which an edge no longer supports it, before narrow alignment.
 constexpr double kSupportWide = 2.5;
 constexpr int kSearchRounds = 2;
@@ -60,7 +60,7 @@ std::vector<Tracked> Refiner::settle(const std::vector<Candidate>& candidates) c
 
 /// Steps in the raw image, the reach shrinking.
 template <std::size_t N>
-void Refiner::align(const std::vector<LocalPoint>& points, const ImageReach& reach,
+void Refiner::align(const std::vector<LocalPoint>& points, const SearchProfile& reach,
                     const std::array<double, N>& tukey_px, Tracked* pose) const {
   const auto& outline = outlines_[pose->part];
   const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, pose->face);

@@ -7,8 +7,8 @@
 
 #include "base/parallel.h"
 #include "image/edge_map.h"
+#include "locate/refine/image_alignment.h"
 #include "locate/refine/refine.h"
-#include "locate/refine/refine_image.h"
 #include "part/outline_view.h"
 #include "planar_bin_picking/image/camera.h"
 #include "planar_bin_picking/part/part_model.h"
@@ -103,7 +103,7 @@ class Refiner {
  private:
   int wideReach(const Tracked& pose) const;
   template <std::size_t N>
-  void align(const std::vector<LocalPoint>& points, const ImageReach& reach,
+  void align(const std::vector<LocalPoint>& points, const SearchProfile& reach,
              const std::array<double, N>& tukey_px, Tracked* pose) const;
   double supportAt(const Tracked& pose, const std::vector<LocalPoint>& points,
                    double reach_px) const;

@@ -5,43 +5,12 @@
 /// Second part of stage 3: sub-pixel edges along the outline's normals in the raw image, with the
 /// full lens model.
 
-#include "image/edge_map.h"
-#include "part/outline_view.h"
-#include "planar_bin_picking/image/camera.h"
+#include "image/edge_search.h"
 
 #include <limits>
 #include <vector>
 
 namespace planar_bin_picking {
-
-/// The edge that one outline point found on its normal.
-struct EdgeHit {
-  bool found = false;      ///< an edge above the noise within reach
-  float offset_px = 0.0f;  ///< along the outward normal; negative = inside the outline
-  float wall_px = 0.0f;    ///< how wide the side wall is seen outside the outline; 0 = turned away
-  float cosine = 0.0f;     ///< |cos| between image gradient and normal, Eq. (12)
-};
-
-/// Size of the body behind the outline.
-struct Solid {
-  double radius;             ///< metres
-  double far_contour = 0.0;  ///< z of the far contour in the centre frame, radii
-};
-
-inline Solid solidOf(const PartModel& part, Face face) {
-  return {part.radius(), farContourOf(part, face)};
-}
-
-struct ImageReach {
-  int reach_px = 6;       ///< how far along the normal an edge is sought
-  bool paired = false;    ///< two profiles side by side: less noise, and the gradient's direction
-  double sigma_px = 1.0;  ///< of the derivative filter
-};
-
-/// Where each point would find its edge.
-void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
-              const Solid& solid, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
-              std::vector<EdgeHit>* hits);
 
 /// Fewer edges do not hold six unknowns against what is wrong with some of them.
 inline constexpr int kFewEdges = 8;
@@ -65,7 +34,7 @@ struct ImagePose {
 /// `tukey_px`. Cost: O(points * reach).
 ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
                       const std::vector<LocalPoint>& points, const Solid& solid,
-                      const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
+                      const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
                       double tukey_px);
 
 }  // namespace planar_bin_picking

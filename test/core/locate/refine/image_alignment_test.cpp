@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locate/refine/refine_image.h"
+#include "locate/refine/image_alignment.h"
 
 #include "support/stages.h"
 
@@ -13,7 +13,7 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr ImageReach kReach{4, true, 0.8};
+constexpr SearchProfile kReach{4, true, 0.8};
 constexpr double kTukeyPx = 3.0;
 const auto kBracket = makePart("bracket", bracketPlate());
 

@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locate/refine/refine_image.h"
+#include "locate/refine/image_alignment.h"
 
 #include "base/scatter.h"
-#include "base/simd.h"
-#include "image/posed_point.h"
-#include "image/profile.h"
 
 #include <Eigen/Cholesky>
 
@@ -15,130 +12,6 @@
 #include <utility>
 
 namespace planar_bin_picking {
-namespace {
-
-constexpr int kTaps = 3;  // of the derivative filter on either side
-constexpr int kMaxReach = 16;
-constexpr float kAside = 1.0f;        // pixels between a pair's profiles and the point
-constexpr double kNoiseFactor = 4.0;  // an edge on a profile is this far above the noise
-
-/// Filters for a step and for a line, j = -kTaps..kTaps: derivatives of a Gaussian, odd and even.
-struct Taps {
-  std::array<float, kTaps> odd{};       // j = 1..kTaps; a unit step answers with 1
-  std::array<float, kTaps + 1> even{};  // j = 0..kTaps; sums to zero
-};
-
-Taps tapsOf(double sigma) {
-  // Of the even filter: between sqrt(1/3) and 1 the energy odd^2 + even^2 has one peak, in the
-  // middle, both of a blurred step and of a blurred line.
-  constexpr double kEven = 0.95;
-  Taps f;
-  double sum = 0.0;
-  for (int j = 1; j <= kTaps; ++j) sum += j * std::exp(-0.5 * j * j / (sigma * sigma));
-  for (int j = 1; j <= kTaps; ++j) {
-    const double q = j * j / (sigma * sigma), gauss = std::exp(-0.5 * q) / sum;
-    f.odd[j - 1] = static_cast<float>(j * gauss);
-    f.even[j] = static_cast<float>(kEven * sigma * (1.0 - q) * gauss);
-    f.even[0] -= 2.0f * f.even[j];
-  }
-  return f;
-}
-
-}  // namespace
-
-/// energy[i] = |(step, line)| at p[i], for i in 0..m-1; reads p[-kTaps] to p[m - 1 + kTaps].
-PBP_SIMD
-static void localEnergy(const float* p, const Taps& taps, int m, float* energy) {
-  static_assert(kTaps == 3, "written out, so that the compiler takes several i at once");
-  const float o1 = taps.odd[0], o2 = taps.odd[1], o3 = taps.odd[2];
-  const float e0 = taps.even[0], e1 = taps.even[1], e2 = taps.even[2], e3 = taps.even[3];
-  for (int i = 0; i < m; ++i) {
-    const float* const q = p + i;
-    const float step = o1 * (q[1] - q[-1]) + o2 * (q[2] - q[-2]) + o3 * (q[3] - q[-3]);
-    const float line = e0 * q[0] + e1 * (q[1] + q[-1]) + e2 * (q[2] + q[-2]) + e3 * (q[3] + q[-3]);
-    energy[i] = std::sqrt(step * step + line * line);
-  }
-}
-
-namespace {
-
-/// The strongest edge, nearer ones preferred.
-EdgeHit bestEdge(const EdgeMap& edges, const PosedPoint& at, const ImageReach& reach,
-                 const Taps& taps) {
-  const int half = reach.reach_px + kTaps + 1, n = 2 * half + 1;
-  EdgeHit hit;
-  const auto& image = edges.image;
-  if (!fitsInside(image, at.pixel, half + 2.0)) return hit;
-  // One profile through the point, or one to either side, which tells the gradient's direction,
-  // too.
-  std::array<float, 2 * (kMaxReach + kTaps + 1) + 1> sum{}, other{};
-  const float nx = static_cast<float>(at.normal.x()), ny = static_cast<float>(at.normal.y());
-  const float x0 = static_cast<float>(at.pixel.x()) - half * nx;
-  const float y0 = static_cast<float>(at.pixel.y()) - half * ny;
-  if (reach.paired) {
-    addProfile(image, x0 - kAside * ny, y0 + kAside * nx, nx, ny, n, sum.data());
-    addProfile(image, x0 + kAside * ny, y0 - kAside * nx, nx, ny, n, other.data());
-  } else {
-    addProfile(image, x0, y0, nx, ny, n, sum.data());
-  }
-  std::array<float, 2 * (kMaxReach + kTaps + 1) + 1> across{};
-  for (int k = 0; k < n && reach.paired; ++k) {
-    across[k] = (sum[k] - other[k]) / (2.0f * kAside);
-    sum[k] = 0.5f * (sum[k] + other[k]);
-  }
-  // Local energy: where plates of one kind lie on one another, their contour is a dark or bright
-  // line as often as a step, and the steps on either side of it are no contour.
-  std::array<float, 2 * kMaxReach + 3> energy{};
-  const int m = 2 * reach.reach_px + 3;  // energy[i] stands at offset i - reach_px - 1
-  localEnergy(sum.data() + kTaps, taps, m, energy.data());
-  const auto level = static_cast<int>(sum[half]);
-  const float noise = edges.noise[std::clamp(level, 0, 255)];
-  float best = 0.0f;
-  for (int i = 1; i + 1 < m; ++i) {
-    const float a = energy[i], l = energy[i - 1], r = energy[i + 1];
-    if (a < kNoiseFactor * noise || a < l || a <= r) continue;
-    const float curve = l - 2 * a + r;
-    const float at_px = i - reach.reach_px - 1 + (curve < 0.0f ? 0.5f * (l - r) / curve : 0.0f);
-    const float near = at_px / (reach.reach_px + 1.0f);
-    // Saturated like Eq. (10): beyond a clear edge, being near counts more than being strong.
-    const float merit = std::min(a, 12.0f * noise) * (1.0f - near * near);
-    if (merit <= best) continue;
-    best = merit;
-    hit.found = true;
-    hit.offset_px = at_px;
-    if (reach.paired) {
-      const int c = i + kTaps;
-      const float t = (across[c - 1] + across[c] + across[c + 1]) / 3.0f;
-      const float g = 0.5f * a;  // a blurred step of height 1 has a slope of about one half
-      hit.cosine = g / std::sqrt(g * g + t * t);
-    } else {
-      hit.cosine = 1.0f;
-    }
-  }
-  return hit;
-}
-
-/// Width of the side wall outside the outline, pixels.
-double wallOf(const Solid& solid, const PosedPoint& at) {
-  return std::max(0.0, solid.far_contour * at.deep_px);
-}
-
-}  // namespace
-
-void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
-              const Solid& solid, const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
-              std::vector<EdgeHit>* hits) {
-  const auto taps = tapsOf(reach.sigma_px);
-  hits->resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    PosedPoint at;
-    (*hits)[i] = {};
-    if (!posePoint(camera, points[i], solid.radius, T_camera_centre, &at)) continue;
-    (*hits)[i] = bestEdge(edges, at, reach, taps);
-    (*hits)[i].wall_px = static_cast<float>(wallOf(solid, at));
-  }
-}
-
 namespace {
 
 /// One associated point: offset(xi) = offset + row . xi (+ inset * out_px).
@@ -261,21 +134,21 @@ double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tuk
 
 ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
                       const std::vector<LocalPoint>& points, const Solid& solid,
-                      const Eigen::Isometry3d& T_camera_centre, const ImageReach& reach,
+                      const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
                       double tukey_px) {
-  const auto taps = tapsOf(reach.sigma_px);
+  const EdgeSearch search(edges, profile);
   std::vector<Row> rows;
   rows.reserve(points.size());
   for (const auto& p : points) {
     PosedPoint at;
     if (!posePoint(camera, p, solid.radius, T_camera_centre, &at)) continue;
-    const EdgeHit hit = bestEdge(edges, at, reach, taps);
+    const EdgeHit hit = search.at(at);
     if (!hit.found) continue;
     Row row;
     row.J = normalJacobian(p, at);
     row.offset = hit.offset_px;
     row.out_px = at.out_px;
-    row.trust = trustOf(wallOf(solid, at), reach.reach_px);
+    row.trust = trustOf(wallWidth(solid, at), profile.reach_px);
     rows.push_back(row);
   }
   ImagePose out;
