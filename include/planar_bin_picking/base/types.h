@@ -68,7 +68,7 @@ struct RefinedPose {
   Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
   /// Of xi = [translation; rotation] in T <- T * exp(xi) (se3.h), about the centre of the outline.
   Matrix6d covariance = Matrix6d::Zero();
-  double inset = 0.0;  ///< metres by which edges lie inside the drawn outline (bevel), refine.h
+  double edge_offset = 0.0;  ///< metres by which edges lie inside the drawn outline (bevel)
   double residual_px = 0.0;  ///< robust spread of edge minus outline along the outline's normal
 };
 

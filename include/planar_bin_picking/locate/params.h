@@ -69,11 +69,11 @@ struct RefineParams {
   int field_iterations = 14;
   double field_reach_radii = 0.13;  ///< radii of the part within which an edgel attracts, at first
   double field_reach_end_px = 2.0;  ///< field pixels, at last
-  double field_support_min = 0.45;  ///< poses below are dropped before the image is looked at
+  double field_inliers_min = 0.45;  ///< poses below are dropped before the image is looked at
   int max_poses = 400;              ///< of a part that go on to the image
-  double image_support_min = 0.4;   ///< poses below are dropped after the first look at the image
+  double image_inliers_min = 0.4;   ///< poses below are dropped after the first look at the image
   double search_below = 0.92;       ///< poses better supported need no search about them
-  double search_support_min = 0.6;  ///< poses below are dropped after the search
+  double search_inliers_min = 0.6;  ///< poses below are dropped after the search
   int wide_points = 128;
   int image_points = 320;
 
@@ -84,11 +84,11 @@ struct RefineParams {
     visit("field_iterations", self.field_iterations, 1, 100);
     visit("field_reach_radii", self.field_reach_radii, 0.01, 1.0);
     visit("field_reach_end_px", self.field_reach_end_px, 0.5, 20.0);
-    visit("field_support_min", self.field_support_min, 0.0, 1.0);
+    visit("field_inliers_min", self.field_inliers_min, 0.0, 1.0);
     visit("max_poses", self.max_poses, 1, 10000);
-    visit("image_support_min", self.image_support_min, 0.0, 1.0);
+    visit("image_inliers_min", self.image_inliers_min, 0.0, 1.0);
     visit("search_below", self.search_below, 0.0, 1.0);
-    visit("search_support_min", self.search_support_min, 0.0, 1.0);
+    visit("search_inliers_min", self.search_inliers_min, 0.0, 1.0);
     visit("wide_points", self.wide_points, 32, 512);
     visit("image_points", self.image_points, 32, 2048);
   }

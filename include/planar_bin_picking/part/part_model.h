@@ -27,13 +27,13 @@ struct OutlinePoint {
 /// A turn of the part (also upside down) after which most of its outline lies on itself again: a
 /// sprocket's other teeth, a plate's other way round, the face that only a print tells from the
 /// other. A pose that was found could as well be any of these.
-struct Lookalike {
-  Eigen::Isometry3d T_part_lookalike = Eigen::Isometry3d::Identity();
+struct NearSymmetry {
+  Eigen::Isometry3d T_part_other = Eigen::Isometry3d::Identity();
   bool flips = false;  ///< shows the other face
   bool exact = false;  ///< the shape is symmetric; only the print differs
   /// Shape points (indices into outline()) of the lookalike that lie off the part's own outline,
   /// and the reverse: only these can tell the two apart.
-  std::vector<int> only_lookalike, only_part;
+  std::vector<int> only_other, only_part;
 };
 
 class PartModel {
@@ -53,7 +53,7 @@ class PartModel {
   /// Evenly spaced along all loops, loop by loop, in order; prints at the end.
   const std::vector<OutlinePoint>& outline() const { return outline_; }
   const FaceGrid& faceGrid() const { return face_grid_; }
-  const std::vector<Lookalike>& lookalikes() const { return lookalikes_; }
+  const std::vector<NearSymmetry>& nearSymmetries() const { return near_symmetries_; }
   /// Order of the rotations after which the shape is all but the same (a sprocket's teeth): voting
   /// need not tell these apart. 0 = full circle; at least symmetry().order.
   int nearOrder() const { return near_order_; }
@@ -69,7 +69,7 @@ class PartModel {
   std::vector<PickPose> pick_poses_;
   std::vector<OutlinePoint> outline_;
   FaceGrid face_grid_;
-  std::vector<Lookalike> lookalikes_;
+  std::vector<NearSymmetry> near_symmetries_;
   int near_order_ = 1;
 };
 

@@ -40,14 +40,9 @@ inline bool posePoint(const Camera& camera, const LocalPoint& p, double radius,
   return true;
 }
 
-/// d(normal . pixel) / d(xi), xi = [translation in radii; rotation] on the right of
-/// T_camera_centre.
+/// d(normal . pixel) / d(xi), xi in radii and radians.
 inline Vector6d normalJacobian(const LocalPoint& p, const PosedPoint& at) {
-  const Eigen::Vector3d& g = at.g_local;
-  Vector6d J;
-  // d(point) = v + w x p, hence g . d(point) = g . v + w . (p x g)
-  J << g, p.y * g.z(), -p.x * g.z(), p.x * g.y() - p.y * g.x();
-  return J;
+  return pointJacobian(p, at.g_local);
 }
 
 }  // namespace planar_bin_picking

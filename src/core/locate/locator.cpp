@@ -142,10 +142,7 @@ LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
 
   auto refined =
       refineCandidates(edges, camera, request.parts, candidates, params_.refine, threads);
-  if (!plane) {
-    const auto lie = commonLie(refined, request.parts);
-    if (lie) fuseWithCommonLie(*lie, request.parts, &refined);
-  }
+  if (!plane) fuseWithScenePlane(request.parts, &refined);
   clock.finish("refine", refined.size());
 
   if (plane) {  // known, it says more than the parts do of one another

@@ -118,7 +118,8 @@ bool isExact(const Turn& turn, const Symmetry& symmetry) {
 
 }  // namespace
 
-std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, double share_min) {
+std::vector<NearSymmetry> findNearSymmetries(const PartModel& part, double tolerance,
+                                             double share_min) {
   const Symmetry& symmetry = part.symmetry();
   std::vector<Eigen::Vector2d> shape;
   for (const auto& p : part.outline()) {
@@ -135,7 +136,7 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, d
   std::stable_sort(found.begin(), found.end(),
                    [](const Turn& a, const Turn& b) { return a.share > b.share; });
   const int order = std::max(1, symmetry.order);
-  std::vector<Lookalike> out;
+  std::vector<NearSymmetry> out;
   for (int k = 0; k < order && part.hasPrint(); ++k) {
     const double angle = 2.0 * M_PI * k / order;
     if (k > 0) out.push_back({turned(part, symmetry.center, false, angle), false, true, {}, {}});
@@ -148,10 +149,10 @@ std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance, d
     }
   }
   for (const auto& f : found) {
-    Lookalike other{turned(part, symmetry.center, f.flip, f.angle), f.flip, false, {}, {}};
+    NearSymmetry other{turned(part, symmetry.center, f.flip, f.angle), f.flip, false, {}, {}};
     const Eigen::Matrix2d there = mapping(f.flip, f.angle), back = there.transpose();
     for (std::size_t i = 0; i < shape.size(); ++i) {  // shape points come first in outline()
-      if (!near(there * shape[i])) other.only_lookalike.push_back(static_cast<int>(i));
+      if (!near(there * shape[i])) other.only_other.push_back(static_cast<int>(i));
       if (!near(back * shape[i])) other.only_part.push_back(static_cast<int>(i));
     }
     out.push_back(std::move(other));
@@ -167,10 +168,9 @@ int findNearOrder(const PartModel& part, double share_min) {
   const double shape = static_cast<double>(
       std::count_if(part.outline().begin(), part.outline().end(),
                     [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; }));
-  for (const auto& other : part.lookalikes()) {
-    if (other.flips || other.exact || other.only_lookalike.size() > (1.0 - share_min) * shape)
-      continue;
-    const Eigen::Matrix3d& R = other.T_part_lookalike.linear();
+  for (const auto& other : part.nearSymmetries()) {
+    if (other.flips || other.exact || other.only_other.size() > (1.0 - share_min) * shape) continue;
+    const Eigen::Matrix3d& R = other.T_part_other.linear();
     angles.push_back(std::fmod(std::atan2(R(1, 0), R(0, 0)) + 2.0 * M_PI, range));
   }
   const auto has = [&](double angle) {

@@ -12,8 +12,8 @@ namespace planar_bin_picking {
 /// apart are left out.
 /// @param tolerance  how far a point may lie off the outline, in radii of the part
 /// @param share_min  share of the outline that must lie on itself
-std::vector<Lookalike> findLookalikes(const PartModel& part, double tolerance = 0.05,
-                                      double share_min = 0.7);
+std::vector<NearSymmetry> findNearSymmetries(const PartModel& part, double tolerance = 0.05,
+                                             double share_min = 0.7);
 
 /// Largest n for which every turn by 360/n degrees is a symmetry or a lookalike that shares at
 /// least `share_min` of the outline; 0 for a full circle. See PartModel::nearOrder.

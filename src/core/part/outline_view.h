@@ -5,9 +5,9 @@
 /// An outline posed in front of the camera, in the form that the refinement wants: points relative
 /// to the centre of the outline on the visible face, in units of the part's radius.
 ///
-/// The pose is T_camera_centre; its increment is xi = [translation / radius; rotation] on the
-/// right.
+/// The pose is T_camera_centre; its increment xi is that of se3.h with the translation in radii.
 
+#include "planar_bin_picking/base/se3.h"
 #include "planar_bin_picking/base/types.h"
 #include "planar_bin_picking/part/part_model.h"
 
@@ -45,11 +45,11 @@ std::vector<LocalPoint> localPoints(const PartModel& part, int count, Wanted&& w
   return out;
 }
 
-/// Moved into the material by `inset` radii: where the edges of a bevelled cut are seen.
-inline void moveInward(double inset, std::vector<LocalPoint>* points) {
+/// Moved into the material by `offset` radii: where the edges of a bevelled cut are seen.
+inline void moveInward(double offset, std::vector<LocalPoint>* points) {
   for (auto& p : *points) {
-    p.x -= inset * p.ty;
-    p.y += inset * p.tx;
+    p.x -= offset * p.ty;
+    p.y += offset * p.tx;
   }
 }
 
@@ -65,30 +65,19 @@ inline double farContourOf(const PartModel& part, Face face) {
   return (face == Face::kFront ? -1.0 : 1.0) * part.thickness() / part.radius();
 }
 
-/// T * exp(xi) with the translation of xi in radii; rotation first order is not enough, so exact.
+/// T * exp(xi) (se3.h) with the translation of xi in radii.
 inline Eigen::Isometry3d stepped(const Eigen::Isometry3d& T, const Vector6d& xi, double radius) {
-  const Eigen::Vector3d w = xi.tail<3>();
-  const double angle = w.norm();
-  Eigen::Isometry3d step = Eigen::Isometry3d::Identity();
-  if (angle > 0.0) step.linear() = Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
-  step.translation() = radius * xi.head<3>();
-  return T * step;
+  Vector6d metric = xi;
+  metric.head<3>() *= radius;
+  return T * exp(metric);
 }
 
-/// Normal equations of weighted scalar residuals in 6 unknowns: H xi = -b.
-struct NormalEquations {
-  Matrix6d H = Matrix6d::Zero();
-  Vector6d b = Vector6d::Zero();
-  double cost = 0.0;
-
-  /// The residual r changes by g_local . (displacement of the point (x, y, 0), in radii).
-  void add(double x, double y, const Eigen::Vector3d& g_local, double r, double weight) {
-    Vector6d J;
-    // d(point) = v + w x p, hence g . d(point) = g . v + w . (p x g)
-    J << g_local, y * g_local.z(), -x * g_local.z(), x * g_local.y() - y * g_local.x();
-    H.noalias() += (weight * J) * J.transpose();
-    b.noalias() += (weight * r) * J;
-  }
-};
+/// Derivative by xi, in units of the radius, of a quantity that changes by g_local . (displacement
+/// of the point (x, y, 0), in radii): d(point) = v + w x p, hence g . v + w . (p x g).
+inline Vector6d pointJacobian(const LocalPoint& p, const Eigen::Vector3d& g_local) {
+  Vector6d J;
+  J << g_local, p.y * g_local.z(), -p.x * g_local.z(), p.x * g_local.y() - p.y * g_local.x();
+  return J;
+}
 
 }  // namespace planar_bin_picking

@@ -68,7 +68,7 @@ PartModel::PartModel(PartFile file) : file_(checked(std::move(file))), face_grid
   for (std::size_t i = 0; i < loops.size(); ++i) {
     sampleLoop(loops[i], static_cast<int>(i), length / kSamples, &outline_);
   }
-  lookalikes_ = findLookalikes(*this);
+  near_symmetries_ = findNearSymmetries(*this);
   near_order_ = findNearOrder(*this);
 }
 

@@ -40,8 +40,8 @@ inline double poseDistance(const PartModel& part, const Eigen::Isometry3d& T_cam
     const Eigen::AngleAxisd S(2.0 * M_PI * k / symmetry.order, Eigen::Vector3d::UnitZ());
     best = std::min(best, turned(S.toRotationMatrix()));
   }
-  for (const auto& other : part.lookalikes()) {
-    if (!other.flips) best = std::min(best, turned(other.T_part_lookalike.linear()));
+  for (const auto& other : part.nearSymmetries()) {
+    if (!other.flips) best = std::min(best, turned(other.T_part_other.linear()));
   }
   return best;
 }

@@ -11,7 +11,7 @@ namespace planar_bin_picking {
 
 /// How well one outline point is borne out by the edge it found: Eq. (12)'s |cos|, less with
 /// distance. What is mere noise counts nothing.
-inline double supportOf(const EdgeHit& hit, double reach_px) {
+inline double inlierScore(const EdgeHit& hit, double reach_px) {
   if (!hit.found) return 0.0;
   // The wall's lower edge speaks for the pose as well as the upper one.
   const double beyond =
@@ -21,9 +21,9 @@ inline double supportOf(const EdgeHit& hit, double reach_px) {
 }
 
 /// Mean support: Psi of Eq. (12) with the above.
-inline double meanSupport(const std::vector<EdgeHit>& hits, double reach_px) {
+inline double inlierScore(const std::vector<EdgeHit>& hits, double reach_px) {
   double sum = 0.0;
-  for (const auto& hit : hits) sum += supportOf(hit, reach_px);
+  for (const auto& hit : hits) sum += inlierScore(hit, reach_px);
   return hits.empty() ? 0.0 : sum / static_cast<double>(hits.size());
 }
 

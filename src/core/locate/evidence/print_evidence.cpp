@@ -56,9 +56,8 @@ struct Shares {
 
 }  // namespace
 
-double printSupport(const EdgeMap& edges, const Camera& camera,
-                    const std::vector<LocalPoint>& points, double radius,
-                    const Eigen::Isometry3d& T_camera_centre) {
+double printScore(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
+                  double radius, const Eigen::Isometry3d& T_camera_centre) {
   Shares strokes, borders;
   for (const LocalPoint& p : points) {
     PosedPoint at;

@@ -16,8 +16,7 @@ namespace planar_bin_picking {
 /// @param points  of the print, in order along its lines
 /// @return  share of the points at which there is a stroke or a border, all of one polarity, 0..1;
 ///          some 0.1 to 0.3 by chance
-double printSupport(const EdgeMap& edges, const Camera& camera,
-                    const std::vector<LocalPoint>& points, double radius,
-                    const Eigen::Isometry3d& T_camera_centre);
+double printScore(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
+                  double radius, const Eigen::Isometry3d& T_camera_centre);
 
 }  // namespace planar_bin_picking

@@ -6,9 +6,9 @@
 
 namespace planar_bin_picking {
 
-std::optional<double> wallSupport(const EdgeMap& edges, const Camera& camera,
-                                  const std::vector<LocalPoint>& points, const Solid& solid,
-                                  const Eigen::Isometry3d& T_camera_centre) {
+std::optional<double> wallScore(const EdgeMap& edges, const Camera& camera,
+                                const std::vector<LocalPoint>& points, const Solid& solid,
+                                const Eigen::Isometry3d& T_camera_centre) {
   constexpr SearchProfile kAbout{2, true, 0.8};
   constexpr float kWide = 2.0f;     // pixels: a wall so wide has two edges
   constexpr double kReach = 1.7;    // pixels off its place at which an edge no longer counts
@@ -18,12 +18,12 @@ std::optional<double> wallSupport(const EdgeMap& edges, const Camera& camera,
   findHits(edges, camera, points, solid, T_camera_centre, kAbout, &hits);
   std::vector<LocalPoint> at_walls;
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (hits[i].wall_px >= kWide && supportOf(hits[i], kReach) > kSeen)
+    if (hits[i].wall_px >= kWide && inlierScore(hits[i], kReach) > kSeen)
       at_walls.push_back(points[i]);
   if (at_walls.size() < kFew) return std::nullopt;
   const Eigen::Translation3d lower(0.0, 0.0, solid.far_contour * solid.radius);
   findHits(edges, camera, at_walls, {solid.radius}, T_camera_centre * lower, kAbout, &hits);
-  return meanSupport(hits, kReach);
+  return inlierScore(hits, kReach);
 }
 
 }  // namespace planar_bin_picking

@@ -16,8 +16,8 @@ namespace planar_bin_picking {
 /// @return  mean support of the walls' lower edges, 0..1; nothing where too little of the walls is
 ///          in view: a wall seen narrower than two pixels does not count, and neither does one
 ///          whose upper edge is not seen (something covers it)
-std::optional<double> wallSupport(const EdgeMap& edges, const Camera& camera,
-                                  const std::vector<LocalPoint>& points, const Solid& solid,
-                                  const Eigen::Isometry3d& T_camera_centre);
+std::optional<double> wallScore(const EdgeMap& edges, const Camera& camera,
+                                const std::vector<LocalPoint>& points, const Solid& solid,
+                                const Eigen::Isometry3d& T_camera_centre);
 
 }  // namespace planar_bin_picking

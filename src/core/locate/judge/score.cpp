@@ -40,7 +40,7 @@ void addPieces(const PartModel& part, const std::vector<LocalPoint>& points, dou
   for (std::size_t i = 0; i < points.size(); ++i) {
     const OutlinePoint& p = part.outline()[points[i].index];
     pieces->push_back({p.position, p.normal, length / static_cast<double>(points.size()),
-                       supportOf(hits[i], reach_px) > kBorneOut});
+                       inlierScore(hits[i], reach_px) > kBorneOut});
   }
 }
 
@@ -66,13 +66,13 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
       if (points.empty() || (kind == LoopKind::kPrint && r.face == Face::kBack)) continue;
       ++count;
       if (kind == LoopKind::kPrint) {
-        sum += printSupport(edges, camera, points, part.radius(), T);
+        sum += printScore(edges, camera, points, part.radius(), T);
         continue;
       }
-      moveInward(r.inset / part.radius(), &points);
+      moveInward(r.edge_offset / part.radius(), &points);
       std::vector<EdgeHit> hits;
       findHits(edges, camera, points, solidOf(part, r.face), T, kReach, &hits);
-      sum += meanSupport(hits, params.reach_px);
+      sum += inlierScore(hits, params.reach_px);
       addPieces(part, points, groups[r.part].length[static_cast<int>(kind)], hits,
                 params.visible_reach_px, &pieces);
     }

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/locate/prior/plane_prior.h"
 
-#include "planar_bin_picking/base/se3.h"
+#include "locate/prior/flat_face.h"
+#include "part/outline_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,26 +12,7 @@
 namespace planar_bin_picking {
 namespace {
 
-using Matrix36d = Eigen::Matrix<double, 3, 6>;
-
 double tiltSigma(const PlaneParams& params) { return params.sigma_tilt_deg * EIGEN_PI / 180.0; }
-
-/// How far a face is off the plane: its height, and the plane's normal along its x and y.
-struct Residual {
-  Eigen::Vector3d value;
-  Matrix36d jacobian;  ///< by xi in T_camera_face * exp(xi)
-};
-
-Residual residualOf(const Eigen::Isometry3d& T_camera_face, double thickness, const Plane& plane) {
-  const Eigen::Vector3d normal_face = T_camera_face.linear().transpose() * plane.normal_camera;
-  const double height = plane.normal_camera.dot(T_camera_face.translation()) + plane.distance;
-  Residual r;
-  r.value << height - thickness, normal_face.head<2>();
-  r.jacobian.setZero();
-  r.jacobian.topLeftCorner<1, 3>() = normal_face.transpose();
-  r.jacobian.bottomRightCorner<2, 3>() = skew(normal_face).topRows<2>();
-  return r;
-}
 
 }  // namespace
 
@@ -63,29 +45,15 @@ std::optional<Distances> distancesOnPlane(const Camera& camera, const Plane& pla
 
 std::optional<RefinedPose> fuseWithPlane(const RefinedPose& pose, const PartModel& part,
                                          const Plane& plane, const PlaneParams& params) {
-  constexpr int kRounds = 3;
-  const Eigen::Isometry3d T_part_face(
-      Eigen::Translation3d(part.center().x(), part.center().y(), part.faceZ(pose.face)));
-  const Eigen::Isometry3d T_camera_face = pose.T_camera_part * T_part_face;
-  const Eigen::Vector3d sigmas(params.sigma, tiltSigma(params), tiltSigma(params));
-  const Eigen::Matrix3d noise = sigmas.cwiseAbs2().asDiagonal();
-
-  Vector6d xi = Vector6d::Zero();
-  Matrix6d covariance = pose.covariance;
-  for (int round = 0; round < kRounds; ++round) {
-    const Residual r = residualOf(T_camera_face * exp(xi), part.thickness(), plane);
-    const Eigen::Matrix3d spread = r.jacobian * pose.covariance * r.jacobian.transpose() + noise;
-    const Eigen::LDLT<Eigen::Matrix3d> solver(spread);
-    if (round == 0 && r.value.dot(solver.solve(r.value)) > params.gate * params.gate)
-      return std::nullopt;
-    const Eigen::Matrix<double, 6, 3> gain = solver.solve(r.jacobian * pose.covariance).transpose();
-    xi = gain * (r.jacobian * xi - r.value);
-    covariance = pose.covariance - gain * r.jacobian * pose.covariance;
-  }
-  RefinedPose fused = pose;
-  fused.T_camera_part = T_camera_face * exp(xi) * T_part_face.inverse();
-  fused.covariance = 0.5 * (covariance + covariance.transpose());
-  return fused;
+  const double tilt_variance = std::pow(tiltSigma(params), 2);
+  const Eigen::Vector3d variances(params.sigma * params.sigma, tilt_variance, tilt_variance);
+  const auto prior =
+      flatOn(plane, pose.T_camera_part * centreOf(part, pose.face), part.thickness(), variances);
+  const Eigen::Matrix3d spread =
+      prior.jacobian * pose.covariance * prior.jacobian.transpose() + prior.covariance;
+  if (prior.residual.dot(spread.ldlt().solve(prior.residual)) > params.gate * params.gate)
+    return std::nullopt;
+  return fuseFlat(pose, part, plane, variances);
 }
 
 std::vector<RefinedPose> fuseWithPlane(const std::vector<RefinedPose>& poses,

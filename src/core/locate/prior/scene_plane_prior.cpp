@@ -3,10 +3,9 @@
 #include "locate/prior/scene_plane_prior.h"
 
 #include "base/scatter.h"
+#include "locate/prior/flat_face.h"
 #include "part/outline_view.h"
-#include "planar_bin_picking/base/se3.h"
-
-#include <Eigen/Cholesky>
+#include "part/visible_face.h"
 
 #include <cmath>
 
@@ -15,117 +14,116 @@ namespace {
 
 constexpr double kRadians = EIGEN_PI / 180.0;
 
-/// A pose's visible face: its centre frame, and a normal along that frame's axes.
-struct Lying {
-  Eigen::Isometry3d T_camera_centre;
-  double up;  // the frame's z axis times this points toward the camera
+/// Fewer others tell no plane: three of five may lean on one wall.
+constexpr std::size_t kFew = 5;
+/// What of the spreads is never believed: sheets are not flat to less.
+constexpr double kLeastTilt = 0.2 * kRadians, kLeastHeight = 0.2e-3;
+/// Light, bevel and focal length move the edges of all parts alike, so the errors of tilts average
+/// out but those of heights do only in part.
+constexpr double kAlike = 0.5;
+/// One part in ten lies anyhow: it leans on others or on the wall, up to about so steep and so far
+/// from the plane.
+constexpr double kShareAnyhow = 0.1, kAnyTilt = 15.0 * kRadians, kAnyHeight = 0.05;
 
-  Lying(const RefinedPose& pose, const PartModel& part)
-      : T_camera_centre(pose.T_camera_part * centreOf(part, pose.face)),
-        up(pose.face == Face::kFront ? 1.0 : -1.0) {}
-  Eigen::Vector3d normal() const { return up * T_camera_centre.linear().col(2); }
-  Eigen::Vector3d inCentre(const Eigen::Vector3d& normal_camera) const {
-    return T_camera_centre.linear().transpose() * normal_camera;
-  }
-};
-
-double underside(const Lying& lying, const PartModel& part, const Eigen::Vector3d& normal_camera) {
-  return normal_camera.dot(lying.T_camera_centre.translation()) - part.thickness();
+/// A Gaussian's density but for a power of 2 pi.
+double density(double off2, int dimensions, double variance) {
+  return std::exp(-0.5 * off2 / variance) / std::pow(variance, 0.5 * dimensions);
 }
 
-/// Of the two tilts, per axis.
-double tiltVariance(const RefinedPose& pose) {
-  return 0.5 * (pose.covariance(3, 3) + pose.covariance(4, 4));
-}
-
-double heightVariance(const RefinedPose& pose, const Eigen::Vector3d& normal_centre) {
-  return normal_centre.dot(pose.covariance.topLeftCorner<3, 3>() * normal_centre);
-}
-
-/// Variance among the others that are like this one, by how far it is off: a few lie anyhow.
+/// Variance among the others that are like this one, by how far it is off.
 double varianceAt(double off2, int dimensions, double measured, double spread, double anyhow) {
-  constexpr double kShareAnyhow = 0.1;
-  const auto density = [&](double sigma) {
-    const double variance = measured + sigma * sigma;
-    return std::exp(-0.5 * off2 / variance) / std::pow(variance, 0.5 * dimensions);
-  };
-  const bool alike = (1.0 - kShareAnyhow) * density(spread) > kShareAnyhow * density(anyhow);
+  const bool alike = (1.0 - kShareAnyhow) * density(off2, dimensions, measured + spread * spread) >
+                     kShareAnyhow * density(off2, dimensions, measured + anyhow * anyhow);
   return alike ? spread * spread : anyhow * anyhow;
 }
 
 }  // namespace
 
-std::optional<CommonLie> commonLie(const std::vector<RefinedPose>& poses,
-                                   const std::vector<std::shared_ptr<const PartModel>>& parts) {
-  constexpr std::size_t kFew = 6;
-  constexpr double kLeastTilt = 0.2 * kRadians, kLeastHeight = 0.2e-3;
-  if (poses.size() < kFew) return std::nullopt;
-  std::vector<Lying> lying;
-  for (const auto& p : poses) lying.emplace_back(p, *parts[p.part]);
-  CommonLie lie;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> normals, places;
-    for (const auto& l : lying) {
-      normals.push_back(l.normal()(axis));
-      places.push_back(l.T_camera_centre.translation()(axis));
-    }
-    lie.normal_camera(axis) = median(normals);
-    lie.middle_camera(axis) = median(places);
-  }
-  lie.normal_camera.normalize();
-  std::vector<double> heights;
+SceneFaces::SceneFaces(const std::vector<RefinedPose>& poses,
+                       const std::vector<std::shared_ptr<const PartModel>>& parts,
+                       const std::vector<double>& weights) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    heights.push_back(underside(lying[i], *parts[poses[i].part], lie.normal_camera));
+    const RefinedPose& pose = poses[i];
+    const PartModel& part = *parts[pose.part];
+    const Eigen::Isometry3d T = pose.T_camera_part * centreOf(part, pose.face);
+    const Eigen::Matrix3d& R = T.linear();
+    faces_.push_back({normalOf(pose.T_camera_part, pose.face), T.translation(), part.thickness(),
+                      0.5 * (pose.covariance(3, 3) + pose.covariance(4, 4)),
+                      R * pose.covariance.topLeftCorner<3, 3>() * R.transpose(),
+                      weights.empty() ? 1.0 : weights[i]});
   }
-  lie.height = median(heights);
-  std::vector<double> tilts, tilt_variances, rises, height_variances;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    tilts.push_back((lying[i].normal() - lie.normal_camera).squaredNorm());
-    tilt_variances.push_back(tiltVariance(poses[i]));
-    rises.push_back(std::pow(heights[i] - lie.height, 2));
-    height_variances.push_back(heightVariance(poses[i], lying[i].inCentre(lie.normal_camera)));
-  }
-  lie.tilt_spread = std::sqrt(scatterBeyond(tilts, kVarianceOfTwo, tilt_variances, kLeastTilt));
-  lie.height_spread =
-      std::sqrt(scatterBeyond(rises, kVarianceOfOne, height_variances, kLeastHeight));
-  // Light, bevel and focal length move the edges of all parts alike, so the errors of tilts average
-  // out but those of heights do only in part.
-  constexpr double kAlike = 0.5;
-  const double count = static_cast<double>(poses.size());
-  lie.tilt_sigma = std::sqrt((std::pow(lie.tilt_spread, 2) + median(tilt_variances)) / count);
-  lie.height_sigma = kAlike * std::sqrt(median(height_variances));
-  return lie;
 }
 
-void fuseWithCommonLie(const CommonLie& lie,
-                       const std::vector<std::shared_ptr<const PartModel>>& parts,
-                       std::vector<RefinedPose>* poses) {
-  constexpr double kAnyTilt = 15.0 * kRadians, kAnyHeight = 0.05;
-  for (auto& p : *poses) {
-    const PartModel& part = *parts[p.part];
-    const Lying lying(p, part);
-    const Eigen::Vector3d n = lying.inCentre(lie.normal_camera);
-    // Zero where the part lies like the others: underside, normal along the part's x and y.
-    Eigen::Vector3d off;
-    off << underside(lying, part, lie.normal_camera) - lie.height, lying.up * n.head<2>();
-    Eigen::Matrix<double, 3, 6> J = Eigen::Matrix<double, 3, 6>::Zero();
-    J.topLeftCorner<1, 3>() = n.transpose();
-    J.bottomRightCorner<2, 3>() = lying.up * skew(n).topRows<2>();  // a turn w takes n to n - w x n
-    const Eigen::Matrix3d measured = J * p.covariance * J.transpose();
-    const double aside = (lying.T_camera_centre.translation() - lie.middle_camera).norm();
-    const double plane2 = std::pow(lie.height_sigma, 2) + std::pow(lie.tilt_sigma * aside, 2);
-    const double height2 = plane2 + varianceAt(off(0) * off(0), 1, measured(0, 0) + plane2,
-                                               lie.height_spread, kAnyHeight);
+std::optional<ScenePlane> SceneFaces::plane(std::optional<std::size_t> left_out) const {
+  std::vector<const Face*> faces;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    if (i == left_out || faces_[i].weight <= 0.0) continue;
+    faces.push_back(&faces_[i]);
+    weights.push_back(faces_[i].weight);
+  }
+  if (faces.size() < kFew) return std::nullopt;
+  std::vector<double> values(faces.size());
+  const auto middle = [&](auto&& of) {
+    for (std::size_t i = 0; i < faces.size(); ++i) values[i] = of(*faces[i]);
+    return weightedMedian(values, weights);
+  };
+  ScenePlane out;
+  Eigen::Vector3d normal;
+  for (int axis = 0; axis < 3; ++axis) {
+    normal(axis) = middle([axis](const Face& f) { return f.normal_camera(axis); });
+    out.middle_camera(axis) = middle([axis](const Face& f) { return f.centre_camera(axis); });
+  }
+  normal.normalize();
+  const auto underside = [&](const Face& f) { return normal.dot(f.centre_camera) - f.thickness; };
+  const double height = middle(underside);
+  out.plane = {normal, -height};
+  const auto spread = [&](double squares, double to_variance, double measured, double least) {
+    return std::sqrt(std::max(least * least, to_variance * squares - measured));
+  };
+  const double tilt_variance = middle([](const Face& f) { return f.tilt_variance; });
+  const double height_variance =
+      middle([&](const Face& f) { return normal.dot(f.centre_covariance * normal); });
+  out.tilt_spread =
+      spread(middle([&](const Face& f) { return (f.normal_camera - normal).squaredNorm(); }),
+             kVarianceOfTwo, tilt_variance, kLeastTilt);
+  out.height_spread =
+      spread(middle([&](const Face& f) { return std::pow(underside(f) - height, 2); }),
+             kVarianceOfOne, height_variance, kLeastHeight);
+  out.tilt_sigma =
+      std::sqrt((std::pow(out.tilt_spread, 2) + tilt_variance) / static_cast<double>(faces.size()));
+  out.height_sigma = kAlike * std::sqrt(height_variance);
+  return out;
+}
+
+double logTiltDensity(const ScenePlane& scene, const Eigen::Vector3d& normal_camera,
+                      double variance) {
+  const double off2 = (normal_camera - scene.plane.normal_camera).squaredNorm();
+  const double known = variance + std::pow(scene.tilt_sigma, 2);
+  return std::log((1.0 - kShareAnyhow) * density(off2, 2, known + std::pow(scene.tilt_spread, 2)) +
+                  kShareAnyhow * density(off2, 2, known + kAnyTilt * kAnyTilt));
+}
+
+void fuseWithScenePlane(const std::vector<std::shared_ptr<const PartModel>>& parts,
+                        std::vector<RefinedPose>* poses) {
+  const SceneFaces faces(*poses, parts);
+  for (std::size_t i = 0; i < poses->size(); ++i) {
+    const auto scene = faces.plane(i);
+    if (!scene) continue;
+    RefinedPose& pose = (*poses)[i];
+    const PartModel& part = *parts[pose.part];
+    const Eigen::Isometry3d T_camera_centre = pose.T_camera_part * centreOf(part, pose.face);
+    const auto prior = flatOn(scene->plane, T_camera_centre, part.thickness(), {0.0, 0.0, 0.0});
+    const Eigen::Matrix3d measured = prior.jacobian * pose.covariance * prior.jacobian.transpose();
+    const double aside = (T_camera_centre.translation() - scene->middle_camera).norm();
+    const double plane2 = std::pow(scene->height_sigma, 2) + std::pow(scene->tilt_sigma * aside, 2);
+    const double height2 =
+        plane2 + varianceAt(std::pow(prior.residual(0), 2), 1, measured(0, 0) + plane2,
+                            scene->height_spread, kAnyHeight);
     const double tilt2 =
-        varianceAt(off.tail<2>().squaredNorm(), 2, 0.5 * measured.bottomRightCorner<2, 2>().trace(),
-                   lie.tilt_spread, kAnyTilt);
-    const Eigen::Matrix3d sum =
-        measured + Eigen::Matrix3d(Eigen::Vector3d(height2, tilt2, tilt2).asDiagonal());
-    const Eigen::Matrix<double, 6, 3> gain = sum.ldlt().solve(J * p.covariance).transpose();
-    const Vector6d xi = -gain * off;
-    p.T_camera_part = lying.T_camera_centre * exp(xi) * centreOf(part, p.face).inverse();
-    const Matrix6d left = p.covariance - gain * J * p.covariance;
-    p.covariance = 0.5 * (left + left.transpose());
+        varianceAt(prior.residual.tail<2>().squaredNorm(), 2,
+                   0.5 * measured.bottomRightCorner<2, 2>().trace(), scene->tilt_spread, kAnyTilt);
+    pose = fuseFlat(pose, part, scene->plane, {height2, tilt2, tilt2});
   }
 }
 

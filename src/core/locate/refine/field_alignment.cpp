@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/refine/field_alignment.h"
 
-#include <Eigen/Cholesky>
+#include "locate/refine/levenberg_marquardt.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +10,10 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr double kReachDecay = 0.85;  // per iteration
-constexpr double kTiltWeight =
-    20.0;  // of the penalty, per point: 10 degrees count like one radius off
+constexpr double kReachDecay = 0.85;  // per step: from a part's tenth to two pixels in a dozen
+constexpr double kTiltWeight = 20.0;  // per point: 10 degrees beyond the limit are one radius off
+constexpr double kStepMost = 0.3;     // radii or radians
+constexpr int kBinsRenewed = 3;       // evaluations for which a point's direction bin is kept
 
 /// A point's place in the field: its direction bin is renewed only now and then.
 struct Seen {
@@ -74,73 +75,56 @@ void addTiltPenalty(const Eigen::Isometry3d& T, double limit, double weight, Nor
 
 }  // namespace
 
-FieldPose settleInField(const Field& field, const std::vector<LocalPoint>& points, double radius,
-                        const Eigen::Isometry3d& T_camera_centre, double reach_px,
-                        const RefineParams& params) {
-  Eigen::Isometry3d T = T_camera_centre, T_best = T;
+Eigen::Isometry3d alignInField(const Field& field, const std::vector<LocalPoint>& points,
+                               double radius, const Eigen::Isometry3d& T_camera_centre,
+                               double reach_px, const RefineParams& params) {
   std::vector<int> bins(points.size(), 0);
-  const double limit = params.tilt_limit_deg * M_PI / 180.0;
-  double lambda = 1e-3;
-  double last_cost = -1.0;
-  NormalEquations accepted;
-  double reach = reach_px;
-  for (int k = 0; k < params.field_iterations; ++k) {
-    NormalEquations eq;
+  const auto evaluate = [&](const Eigen::Isometry3d& T, int k, double reach) {
+    NormalEquations out;
     const double inv_reach2 = 1.0 / (reach * reach);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const LocalPoint& p = points[i];
       Seen s;
       if (!see(field, T, radius, p, &s)) {
-        eq.cost += 1.0;
+        out.cost += 1.0;
         continue;
       }
-      if (k % 3 == 0) bins[i] = seenBin(T, p, s);
+      if (k % kBinsRenewed == 0) bins[i] = seenBin(T, p, s);
       const Sample d = sample(field, s, bins[i]);
       const double e = 1.0 - d.d * d.d * inv_reach2;
       if (e <= 0.0) {
-        eq.cost += 1.0;
+        out.cost += 1.0;
         continue;
       }
-      eq.cost += 1.0 - e * e * e;  // Tukey's biweight
+      out.cost += 1.0 - e * e * e;  // Tukey's biweight
       const double scale = field.focal * radius * s.inv_z;
       const Eigen::Vector3d g(scale * d.gx, scale * d.gy, -scale * (d.gx * s.iu + d.gy * s.iv));
-      eq.add(p.x, p.y, T.linear().transpose() * g, d.d, 3.0 * e * e * inv_reach2);
+      out.add(pointJacobian(p, T.linear().transpose() * g), d.d, 3.0 * e * e * inv_reach2);
     }
-    addTiltPenalty(T, limit, kTiltWeight * points.size(), &eq);
-    const bool better = last_cost < 0.0 || eq.cost <= last_cost;
-    if (better) {
-      T_best = T;
-      accepted = eq;
-      lambda = std::max(1e-4, lambda * 0.3);
-    } else {
-      lambda = std::min(1e3, lambda * 8.0);
-    }
-    Matrix6d H = accepted.H;
-    const double damp = lambda * H.trace() / 6.0 + 1e-9;
-    H.diagonal() += (lambda * accepted.H.diagonal().array() + 0.02 * damp + 1e-9).matrix();
-    const Vector6d xi = -H.ldlt().solve(accepted.b);
-    T = stepped(T_best, xi.cwiseMax(-0.3).cwiseMin(0.3), radius);
-    const double next = std::max(params.field_reach_end_px, reach * kReachDecay);
-    // Costs compare only at the same reach, so a new reach starts a new comparison.
-    last_cost = next < reach ? -1.0 : (better ? eq.cost : last_cost);
-    reach = next;
-  }
-  FieldPose out;
-  out.T_camera_centre = T_best;
-  out.support = supportInField(field, points, radius, T_best, 1.5 * params.field_reach_end_px);
-  return out;
+    addTiltPenalty(T, params.tilt_limit_deg * M_PI / 180.0, kTiltWeight * points.size(), &out);
+    return out;
+  };
+  LevenbergMarquardtParams minimiser;
+  minimiser.evaluations = params.field_iterations;
+  minimiser.width = std::max(reach_px, params.field_reach_end_px);
+  minimiser.width_end = params.field_reach_end_px;
+  minimiser.width_decay = kReachDecay;
+  return minimise(T_camera_centre, minimiser, evaluate,
+                  [&](const Eigen::Isometry3d& T, const Vector6d& xi) {
+                    return stepped(T, xi.cwiseMax(-kStepMost).cwiseMin(kStepMost), radius);
+                  });
 }
 
-double supportInField(const Field& field, const std::vector<LocalPoint>& points, double radius,
-                      const Eigen::Isometry3d& T_camera_centre, double reach_px) {
-  double support = 0.0;
+double fieldInlierScore(const Field& field, const std::vector<LocalPoint>& points, double radius,
+                        const Eigen::Isometry3d& T_camera_centre, double reach_px) {
+  double score = 0.0;
   for (const auto& p : points) {
     Seen s;
     if (!see(field, T_camera_centre, radius, p, &s)) continue;
     const double d = sample(field, s, seenBin(T_camera_centre, p, s)).d;
-    support += std::max(0.0, 1.0 - d / reach_px);
+    score += std::max(0.0, 1.0 - d / reach_px);
   }
-  return points.empty() ? 0.0 : support / static_cast<double>(points.size());
+  return points.empty() ? 0.0 : score / static_cast<double>(points.size());
 }
 
 }  // namespace planar_bin_picking

@@ -1,245 +1,205 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "locate/refine/hypotheses.h"
+
 #include "base/plane_pose.h"
-#include "locate/evidence/inlier_score.h"
-#include "locate/evidence/print_evidence.h"
-#include "locate/evidence/wall_evidence.h"
-#include "locate/refine/field_alignment.h"
-#include "locate/refine/refiner.h"
-#include "part/pose_distance.h"
+#include "locate/prior/scene_plane_prior.h"
+#include "locate/refine/edge_offset.h"
 #include "part/visible_face.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-/// Refiner's choice between poses that look alike.
-
 namespace planar_bin_picking {
 namespace {
 
-constexpr double kTiltUnsure =
-    0.03;  // a lead in support that decides nothing about the tilt's sign
+/// Standard deviations of the differences that chance makes between two hypotheses, all as mean
+/// scores of 0..1: over the whole outline, whose points mostly find the same edges; over the walls'
+/// lower edges, often lost in a shadow; over the print.
+constexpr double kOutlineSigma = 0.015, kWallSigma = 0.075, kPrintSigma = 0.1;
+/// Share of the print that is borne out from which on the front is likelier up than the back.
+constexpr double kPrintEven = 0.5;
 
-/// The pose and its tilt twin as the lookalike's; what the image said was about the pose itself.
-Tracked twinOf(const Tracked& pose, const Lookalike& other) {
-  Tracked twin = pose;
-  twin.T_camera_part = pose.T_camera_part * other.T_part_lookalike;
-  twin.T_camera_twin = pose.T_camera_twin * other.T_part_lookalike;
-  twin.image = {};
-  twin.searched = false;
-  if (other.flips) twin.face = pose.face == Face::kFront ? Face::kBack : Face::kFront;
-  return twin;
+/// Normals closer than this (4 degrees) refine into each other ...
+constexpr double kTiltsApart = 0.07;
+/// ... and closer than this are one once aligned.
+constexpr double kTiltsAligned = 0.05;
+/// A start only: it may be aligned to within the limit.
+constexpr double kTiltSlackDeg = 10.0;
+/// Inlier scores farther behind are not made up for by the narrow alignment.
+constexpr double kHopeless = 0.1;
+/// In the field, with a few points: what an alignment does not make up for.
+constexpr double kHopelessInField = -0.3;
+constexpr std::size_t kMostAligned = 8;  // near-symmetries of one pose, those of the best field
+constexpr std::size_t kEnoughPoints = 64;
+
+/// The pose as the near-symmetry of the part; what the image said was about the pose itself.
+PoseHypothesis moved(const PoseHypothesis& pose, const NearSymmetry& other) {
+  PoseHypothesis out = pose;
+  out.T_camera_part = pose.T_camera_part * other.T_part_other;
+  out.image = {};
+  out.searched = false;
+  if (other.flips) out.face = pose.face == Face::kFront ? Face::kBack : Face::kFront;
+  return out;
 }
-
-}  // namespace
-
-std::vector<Tracked> Refiner::withoutTwins(std::vector<Tracked> poses, double distance,
-                                           double support_min) const {
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const Tracked& a, const Tracked& b) { return a.support > b.support; });
-  std::vector<Tracked> kept;
-  std::vector<int> count(outlines_.size(), 0);
-  for (const auto& p : poses) {
-    if (p.support < support_min) break;
-    if (count[p.part] >= params_.max_poses) continue;
-    const auto& part = *outlines_[p.part].part;
-    const bool twin = std::any_of(kept.begin(), kept.end(), [&](const Tracked& k) {
-      return k.part == p.part && k.face == p.face &&
-             poseDistance(part, k.T_camera_part, p.T_camera_part, p.face) < distance;
-    });
-    if (twin) continue;
-    kept.push_back(p);
-    ++count[p.part];
-  }
-  return kept;
-}
-
-std::vector<Tracked> Refiner::withoutOutdone(const std::vector<Tracked>& poses) const {
-  constexpr double kSamePlace = 0.35, kClearly = 0.12;  // of the part's grain; support
-  std::vector<Tracked> kept;
-  const auto centre = [&](const Tracked& p) -> Eigen::Vector3d {
-    return p.T_camera_part * centreOf(*outlines_[p.part].part, p.face).translation();
-  };
-  for (const auto& p : poses) {
-    const Eigen::Vector3d c = centre(p);
-    const double reach = kSamePlace * outlines_[p.part].grain / c.z();
-    const bool outdone = std::any_of(poses.begin(), poses.end(), [&](const Tracked& o) {
-      return o.part == p.part && o.support > p.support + kClearly &&
-             (centre(o).hnormalized() - c.hnormalized()).norm() < reach;
-    });
-    if (!outdone) kept.push_back(p);
-  }
-  return kept;
-}
-
-void Refiner::resolve(Tracked* pose) const {
-  resolveTilt(pose);
-  resolveShape(pose);
-  resolvePrint(pose);
-}
-
-namespace {
 
 std::vector<LocalPoint> pointsAt(const PartModel& part, const std::vector<int>& indices) {
-  constexpr std::size_t kEnough = 64;
-  const std::size_t stride = 1 + indices.size() / kEnough;
+  const std::size_t stride = 1 + indices.size() / kEnoughPoints;
   std::vector<LocalPoint> points;
-  for (std::size_t i = 0; i < indices.size(); i += stride) {
+  for (std::size_t i = 0; i < indices.size(); i += stride)
     points.push_back(localPoint(part, indices[i]));
-  }
   return points;
 }
 
-}  // namespace
-
-double Refiner::supportOn(const Tracked& pose, const PartModel& part,
-                          const std::vector<int>& indices) const {
-  return supportAt(pose, pointsAt(part, indices), kSupportNarrow);
+Eigen::Vector3d normalOf(const PoseHypothesis& pose) {
+  return planar_bin_picking::normalOf(pose.T_camera_part, pose.face);
 }
 
-double Refiner::supportInFieldOn(const Tracked& pose, const PartModel& part,
-                                 const std::vector<int>& indices) const {
-  constexpr double kReachPx = 2.0;
-  return supportInField(edges_.fieldOf(pose.part), pointsAt(part, indices), part.radius(),
-                        pose.T_camera_part * centreOf(part, pose.face), kReachPx);
+/// Log odds for the face, of a printed part.
+double printOdds(const Aligner& aligner, const PoseHypothesis& pose) {
+  if (pose.face == Face::kBack || aligner.outlineOf(pose).print.empty()) return 0.0;
+  return (aligner.printScoreOf(pose) - kPrintEven) / kPrintSigma;
 }
 
-/// The plane that looks nearly the same: tilted the other way about the line of sight ([4]).
-std::optional<Tracked> Refiner::tiltTwin(const Tracked& pose) const {
-  constexpr double kTilted = 0.07;    // normals closer than this (4 degrees) refine into each other
-  constexpr double kSlackDeg = 10.0;  // a start only: it may settle within the limit
-  const Eigen::Isometry3d T_part_centre = centreOf(*outlines_[pose.part].part, pose.face);
+/// The other plane that looks nearly the same: tilted the other way about the line of sight ([4]).
+std::optional<PoseHypothesis> otherTilt(const Aligner& aligner, const RefineParams& params,
+                                        const PoseHypothesis& pose) {
+  const Eigen::Isometry3d T_part_centre = centreOf(*aligner.outlineOf(pose).part, pose.face);
   const Eigen::Isometry3d T = pose.T_camera_part * T_part_centre;
   const Eigen::Vector2d p = T.translation().hnormalized();
   Eigen::Matrix<double, 2, 3> project;
   project << 1, 0, -p.x(), 0, 1, -p.y();
   const Eigen::Matrix2d A = project * T.linear().leftCols<2>() / T.translation().z();
-  const auto poses = posesFromAffine(A, p);
-  const auto apart = [&](int k) { return (poses[k].linear().col(2) - T.linear().col(2)).norm(); };
-  const auto& other = poses[apart(0) > apart(1) ? 0 : 1];
-  const double tilt = std::acos(std::min(1.0, std::abs(other.linear()(2, 2))));
-  if ((other.linear().col(2) - T.linear().col(2)).norm() < kTilted ||
-      tilt > (params_.tilt_limit_deg + kSlackDeg) * M_PI / 180.0) {
+  const auto planes = posesFromAffine(A, p);
+  const auto apart = [&](int k) { return (planes[k].linear().col(2) - T.linear().col(2)).norm(); };
+  const int k = apart(0) > apart(1) ? 0 : 1;
+  const double tilt = std::acos(std::min(1.0, std::abs(planes[k].linear()(2, 2))));
+  if (apart(k) < kTiltsApart || tilt > (params.tilt_limit_deg + kTiltSlackDeg) * M_PI / 180.0)
     return std::nullopt;
-  }
-  Tracked twin = pose;
-  twin.T_camera_part = other * T_part_centre.inverse();
-  return twin;
+  PoseHypothesis out = pose;
+  out.T_camera_part = planes[k] * T_part_centre.inverse();
+  return out;
 }
 
-void Refiner::resolveTilt(Tracked* pose) const {
-  constexpr double kWall = 0.2;  // a wall's lower edge is often lost in a shadow
-  const auto wallOf = [&](const Tracked& p) {
-    const auto& outline = outlines_[p.part];
-    return wallSupport(edges_, camera_, outline.of(p.face).fine, solidOf(*outline.part, p.face),
-                       p.T_camera_part * centreOf(*outline.part, p.face));
-  };
-  auto twin = tiltTwin(*pose);
-  if (!twin) return;
-  alignWide(&*twin);
-  if (twin->support < pose->support - 0.1) return;
-  alignNarrow(&*twin);
-  double gain = twin->support - pose->support;
-  if (std::abs(gain) < kTiltUnsure) {
-    const auto wall = wallOf(*pose), twin_wall = wallOf(*twin);
-    if (wall && twin_wall) gain += kWall * (*twin_wall - *wall);
+void compareTilts(const Aligner& aligner, const RefineParams& params, ChosenPose* chosen) {
+  auto other = otherTilt(aligner, params, chosen->pose);
+  if (!other) return;
+  aligner.alignWide(&*other);
+  if (other->inlier_score < chosen->pose.inlier_score - kHopeless) return;
+  aligner.alignNarrow(&*other);
+  double lead = (chosen->pose.inlier_score - other->inlier_score) / kOutlineSigma;
+  const auto wall = aligner.wallScoreOf(chosen->pose), other_wall = aligner.wallScoreOf(*other);
+  if (wall && other_wall) lead += (*wall - *other_wall) / kWallSigma;
+  if (lead < 0.0) {
+    std::swap(chosen->pose, *other);
+    lead = -lead;
   }
-  const bool apart =
-      (twin->T_camera_part.linear().col(2) - pose->T_camera_part.linear().col(2)).norm() > 0.05;
-  twin->T_camera_twin = pose->T_camera_part;
-  pose->T_camera_twin = twin->T_camera_part;
-  twin->ambiguous = pose->ambiguous = apart && std::abs(gain) < kTiltUnsure;
-  if (gain > 0.0) *pose = *twin;
+  if ((normalOf(*other) - normalOf(chosen->pose)).norm() <= kTiltsAligned) return;
+  chosen->other_tilt = other;
+  chosen->lead = lead;
 }
 
-/// What tells a pose from a lookalike decides; first in the field, where a few points cost little.
-void Refiner::resolveShape(Tracked* pose) const {
-  constexpr double kHopeless = -0.3;  // what an alignment does not make up for
-  constexpr std::size_t kMost = 8;
-  const auto& part = *outlines_[pose->part].part;
-  struct Rival {
-    double gain;
-    const Lookalike* other;
-  };
+/// A near-symmetry with the odds that it is the part's pose.
+struct Rival {
+  double odds;
+  const NearSymmetry* other;
+};
+
+/// Those worth an alignment: what tells them apart decides first in the field, where a few points
+/// cost little.
+std::vector<Rival> rivalsOf(const Aligner& aligner, const PoseHypothesis& pose) {
+  const PartModel& part = *aligner.outlineOf(pose).part;
   std::vector<Rival> rivals;
-  for (const auto& other : part.lookalikes()) {
+  for (const auto& other : part.nearSymmetries()) {
     if (other.exact) continue;
-    const double gain = supportInFieldOn(twinOf(*pose, other), part, other.only_lookalike) -
-                        supportInFieldOn(*pose, part, other.only_part);
-    if (gain > kHopeless) rivals.push_back({gain, &other});
+    const double gain =
+        aligner.fieldInlierScoreOf(moved(pose, other), pointsAt(part, other.only_other)) -
+        aligner.fieldInlierScoreOf(pose, pointsAt(part, other.only_part));
+    if (gain > kHopelessInField) rivals.push_back({gain, &other});
   }
   std::stable_sort(rivals.begin(), rivals.end(),
-                   [](const Rival& a, const Rival& b) { return a.gain > b.gain; });
-  if (rivals.size() > kMost) rivals.resize(kMost);
-  Tracked best = *pose;
-  double best_gain = 0.0;
-  for (const auto& [gain, other] : rivals) {
-    Tracked twin = twinOf(*pose, *other);
-    alignNarrow(&twin);
-    const double gained =
-        supportOn(twin, part, other->only_lookalike) - supportOn(*pose, part, other->only_part);
-    if (gained > best_gain) {
-      best_gain = gained;
-      best = twin;
-    }
-  }
-  *pose = best;
+                   [](const Rival& a, const Rival& b) { return a.odds > b.odds; });
+  if (rivals.size() > kMostAligned) rivals.resize(kMostAligned);
+  return rivals;
 }
 
-/// Of a printed part the front is up where at least half of the print is borne out.
-void Refiner::resolvePrint(Tracked* pose) const {
-  const auto& outline = outlines_[pose->part];
+/// Over the points alone at which the two differ: the others find the same edges.
+void compareNearSymmetries(const Aligner& aligner, ChosenPose* chosen) {
+  const PoseHypothesis pose = chosen->pose;
+  const PartModel& part = *aligner.outlineOf(pose).part;
+  const double print = printOdds(aligner, pose);
+  PoseHypothesis best = pose;
+  Rival chosen_rival{0.0, nullptr};
+  for (const auto& [gain, other] : rivalsOf(aligner, pose)) {
+    PoseHypothesis rival = moved(pose, *other);
+    aligner.alignNarrow(&rival);
+    const double share = 0.5 *
+                         static_cast<double>(other->only_other.size() + other->only_part.size()) /
+                         static_cast<double>(part.outline().size());
+    const double outline = aligner.inlierScoreOf(rival, pointsAt(part, other->only_other)) -
+                           aligner.inlierScoreOf(pose, pointsAt(part, other->only_part));
+    const double odds =
+        outline * std::sqrt(share) / kOutlineSigma + printOdds(aligner, rival) - print;
+    if (odds <= chosen_rival.odds) continue;
+    chosen_rival = {odds, other};
+    best = rival;
+  }
+  if (chosen_rival.other == nullptr) return;
+  chosen->pose = best;
+  if (chosen->other_tilt) chosen->other_tilt = moved(*chosen->other_tilt, *chosen_rival.other);
+}
+
+/// Symmetries that the print alone tells apart.
+void comparePrint(const Aligner& aligner, ChosenPose* chosen) {
+  const PartOutline& outline = aligner.outlineOf(chosen->pose);
   if (outline.print.empty()) return;
-  Tracked front = *pose, back = *pose;
-  double print = -1.0;
-  const auto consider = [&](const Tracked& twin) {
-    if (twin.face == Face::kBack) {
-      back = twin;
-      return;
-    }
-    const double support = printSupport(edges_, camera_, outline.print, outline.part->radius(),
-                                        twin.T_camera_part * centreOf(*outline.part, twin.face));
-    if (support > print) {
-      print = support;
-      front = twin;
-    }
-  };
-  consider(*pose);
-  for (const auto& other : outline.part->lookalikes()) {
-    if (other.exact) consider(twinOf(*pose, other));
+  double best = printOdds(aligner, chosen->pose);
+  const NearSymmetry* other_best = nullptr;
+  for (const auto& other : outline.part->nearSymmetries()) {
+    if (!other.exact) continue;
+    const double odds = printOdds(aligner, moved(chosen->pose, other));
+    if (odds <= best) continue;
+    best = odds;
+    other_best = &other;
   }
-  *pose = print > 0.5 ? front : back;
-  if (pose->image.used == 0) alignNarrow(pose);  // a lookalike
+  if (other_best == nullptr) return;
+  chosen->pose = moved(chosen->pose, *other_best);
+  aligner.alignNarrow(&chosen->pose);
+  if (chosen->other_tilt) chosen->other_tilt = moved(*chosen->other_tilt, *other_best);
 }
 
-void Refiner::settleTilts(std::vector<Tracked>* poses) const {
-  constexpr double kAlike = 0.2;  // about 12 degrees
-  Eigen::Vector3d common = Eigen::Vector3d::Zero();
-  double most = 0.0;
-  for (const auto& p : *poses) {
-    const Eigen::Vector3d n = normalOf(p.T_camera_part, p.face);
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double weight = 0.0;
-    for (const auto& o : *poses) {
-      const double w = o.support * (o.ambiguous ? 0.3 : 1.0);
-      const Eigen::Vector3d other = normalOf(o.T_camera_part, o.face);
-      if ((other - n).norm() > kAlike) continue;
-      weight += w;
-      sum += w * other;
-    }
-    if (weight > most) {
-      most = weight;
-      common = sum.normalized();
-    }
+}  // namespace
+
+ChosenPose chooseHypothesis(const Aligner& aligner, const RefineParams& params,
+                            const PoseHypothesis& pose) {
+  ChosenPose chosen{pose, std::nullopt, 0.0};
+  compareTilts(aligner, params, &chosen);
+  compareNearSymmetries(aligner, &chosen);
+  comparePrint(aligner, &chosen);
+  return chosen;
+}
+
+void decideTilts(const Aligner& aligner, const std::vector<std::shared_ptr<const PartModel>>& parts,
+                 std::vector<ChosenPose>* poses) {
+  std::vector<RefinedPose> refined;
+  std::vector<double> weights;
+  for (const auto& chosen : *poses) {
+    refined.push_back(withOwnOffset(chosen.pose, aligner.outlineOf(chosen.pose), aligner.focal()));
+    weights.push_back(chosen.other_tilt ? 1.0 / (1.0 + std::exp(-chosen.lead)) : 1.0);
   }
-  for (auto& p : *poses) {
-    if (!p.ambiguous) continue;
-    const double here = (normalOf(p.T_camera_part, p.face) - common).norm();
-    const double twin = (normalOf(p.T_camera_twin, p.face) - common).norm();
-    if (twin >= 0.6 * here) continue;
-    std::swap(p.T_camera_part, p.T_camera_twin);
-    alignNarrow(&p);
+  const SceneFaces faces(refined, parts, weights);
+  for (std::size_t i = 0; i < poses->size(); ++i) {
+    ChosenPose& chosen = (*poses)[i];
+    if (!chosen.other_tilt) continue;
+    const auto scene = faces.plane(i);
+    if (!scene) continue;
+    const double variance = 0.5 * (refined[i].covariance(3, 3) + refined[i].covariance(4, 4));
+    const double prior = logTiltDensity(*scene, normalOf(chosen.pose), variance) -
+                         logTiltDensity(*scene, normalOf(*chosen.other_tilt), variance);
+    if (chosen.lead + prior >= 0.0) continue;
+    std::swap(chosen.pose, *chosen.other_tilt);
+    aligner.alignNarrow(&chosen.pose);
   }
 }
 

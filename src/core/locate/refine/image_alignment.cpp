@@ -3,139 +3,52 @@
 #include "locate/refine/image_alignment.h"
 
 #include "base/scatter.h"
-
-#include <Eigen/Cholesky>
+#include "locate/refine/levenberg_marquardt.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 namespace planar_bin_picking {
 namespace {
 
-/// One associated point: offset(xi) = offset + row . xi (+ inset * out_px).
+/// Where a side wall is in view and narrow, its lower edge may be the stronger one, and nothing
+/// tells which of the two was found: the rest of the outline should hold the pose.
+constexpr double kWallUnseenPx = 0.5, kWallBeyondReachPx = 2.0, kTrustNarrowWall = 0.3;
+
+/// A step within one association moves no point farther than this many radii or radians: beyond,
+/// the projection is no longer linear and the edges found are others.
+constexpr double kStepMost = 0.15;
+constexpr int kEvaluations = 6;
+constexpr double kSettled = 1e-4;  // of the cost per point
+
+/// Neighbouring points err alike; this many clusters along the outline err by themselves.
+constexpr int kClusters = 24;
+/// What residuals cannot tell: light, bevel and shadow move the edges of a whole side alike, by
+/// about this much. Most of it is what makes the edge offset, and no error of it.
+constexpr int kSides = 8;
+constexpr double kBiasPx = 0.3, kOffsetBiasPx = 0.1;
+/// What is known without any edge, that the pose is within a radius and a radian, as so many edges
+/// with an error of a pixel.
+constexpr double kPrior = 1.0;
+/// Edges agree to a tenth of a pixel at best.
+constexpr double kLeastVariancePx2 = 0.01;
+constexpr double kSigmaOfMedian = 1.4826;  // of a Gaussian
+
+/// One associated point: offset(xi) = offset + J . xi (+ edge offset * out_px).
 struct Row {
   Vector6d J;
   double offset, out_px, trust;
 };
 
-/// Where the side wall is in view and narrow, its lower edge may be the stronger one, and nothing
-/// tells which of the two was found: the rest of the outline should hold the pose.
 double trustOf(double wall_px, double reach_px) {
-  constexpr double kUnseen = 0.5, kAmbiguous = 0.3;
-  return wall_px < kUnseen || wall_px > reach_px + 2.0 ? 1.0 : kAmbiguous;
+  const bool clear = wall_px < kWallUnseenPx || wall_px > reach_px + kWallBeyondReachPx;
+  return clear ? 1.0 : kTrustNarrowWall;
 }
 
-struct WeightedSystem {
-  Matrix6d H = Matrix6d::Zero();
-  Vector6d b = Vector6d::Zero();
-  double cost = 0.0;
-  int used = 0;
-};
-
-/// The pose moves by pixels within one association, so the projection counts as linear there.
-WeightedSystem weigh(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
-  WeightedSystem s;
-  const double inv2 = 1.0 / (tukey_px * tukey_px);
-  for (const auto& row : rows) {
-    const double r = row.J.dot(xi) - row.offset;
-    const double e = 1.0 - r * r * inv2;
-    if (e <= 0.0) {
-      s.cost += row.trust;
-      continue;
-    }
-    s.cost += row.trust * (1.0 - e * e * e);
-    const Vector6d wJ = (row.trust * e * e) * row.J;
-    s.H.noalias() += wJ * row.J.transpose();
-    s.b.noalias() += r * wJ;
-    ++s.used;
-  }
-  return s;
-}
-
-constexpr int kStretches = 24;
-// What the residuals cannot tell: light, bevel and shadow move the edges of a whole side alike.
-constexpr int kSides = 8;
-constexpr double kBiasPx = 0.3;
-constexpr double kInsetBiasPx = 0.1;  // most of it is what makes the inset, and no error of it
-// What is known without any edge, that the pose is within a radius and a radian, as so many edges
-// with an error of a pixel.
-constexpr double kPrior = 1.0;
-
-/// Covariance of the settled pose, and pose and inset together by the final weights.
-void judge(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px, ImagePose* out) {
-  const double inv2 = 1.0 / (tukey_px * tukey_px);
-  WeightedSystem s = weigh(rows, xi, tukey_px);
-  Vector6d h = Vector6d::Zero();
-  double hh = 0.0, c = 0.0;
-  // Few stretches may agree by chance: no edge is better than the bias.
-  Matrix6d meat = kBiasPx * kBiasPx * s.H + kPrior * Matrix6d::Identity();
-  Vector6d stretch = Vector6d::Zero(), shift = Vector6d::Zero();
-  const int n = static_cast<int>(rows.size());
-  int stretches = 0;
-  for (int i = 0; i < n; ++i) {
-    const Row& row = rows[i];
-    const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r * inv2;
-    if (e > 0.0) {
-      const double w = row.trust * e * e;
-      stretch += (w * r) * row.J;
-      shift += w * row.J;
-      // The predicted edge moves inward: its offset along the outward normal falls by inset *
-      // out_px.
-      h -= (w * row.out_px) * row.J;
-      hh += w * row.out_px * row.out_px;
-      c -= w * row.out_px * r;
-    }
-    if ((i + 1) * kStretches / n != i * kStretches / n) {
-      meat += stretch * stretch.transpose();
-      stretches += stretch.isZero(0.0) ? 0 : 1;
-      stretch.setZero();
-    }
-    if ((i + 1) * kSides / n != i * kSides / n) {
-      meat += (kBiasPx * kBiasPx) * shift * shift.transpose();
-      shift.setZero();
-    }
-  }
-  s.H.diagonal().array() += kPrior;
-  const auto solver = s.H.ldlt();
-  const Matrix6d inverse = solver.solve(Matrix6d::Identity());
-  // Six unknowns follow the stretches; of six or fewer nothing is left to tell the error by.
-  const double left = std::max(1, stretches - 6);
-  out->covariance = inverse * meat * inverse * (std::max(7, stretches) / left);
-  out->per_inset = -solver.solve(h);
-  const Vector6d g = solver.solve(h);
-  const double information = hh - h.dot(g);
-  if (information <= 0.0) return;
-  out->inset = -(c - g.dot(s.b)) / information;
-  double variance = std::max(0.01, out->residual_px * out->residual_px) / information;
-  double side = 0.0;  // what a pixel of bias on a side does to the inset
-  for (int i = 0; i < n; ++i) {
-    const Row& row = rows[i];
-    const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r * inv2;
-    if (e > 0.0) side += row.trust * e * e * (row.out_px + g.dot(row.J)) / information;
-    if ((i + 1) * kSides / n == i * kSides / n) continue;
-    variance += kInsetBiasPx * kInsetBiasPx * side * side;
-    side = 0.0;
-  }
-  out->inset_sigma = std::sqrt(variance);
-}
-
-double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
-  std::vector<double> absolute;
-  for (const auto& row : rows) {
-    const double r = std::abs(row.J.dot(xi) - row.offset);
-    if (r < tukey_px) absolute.push_back(r);
-  }
-  return absolute.empty() ? tukey_px : 1.4826 * median(std::move(absolute));
-}
-
-}  // namespace
-
-ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
-                      const std::vector<LocalPoint>& points, const Solid& solid,
-                      const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
-                      double tukey_px) {
+std::vector<Row> associate(const EdgeMap& edges, const Camera& camera,
+                           const std::vector<LocalPoint>& points, const Solid& solid,
+                           const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile) {
   const EdgeSearch search(edges, profile);
   std::vector<Row> rows;
   rows.reserve(points.size());
@@ -144,42 +57,140 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
     if (!posePoint(camera, p, solid.radius, T_camera_centre, &at)) continue;
     const EdgeHit hit = search.at(at);
     if (!hit.found) continue;
-    Row row;
-    row.J = normalJacobian(p, at);
-    row.offset = hit.offset_px;
-    row.out_px = at.out_px;
-    row.trust = trustOf(wallWidth(solid, at), profile.reach_px);
-    rows.push_back(row);
+    rows.push_back({normalJacobian(p, at), hit.offset_px, at.out_px,
+                    trustOf(wallWidth(solid, at), profile.reach_px)});
   }
-  ImagePose out;
-  out.T_camera_centre = T_camera_centre;
-  Vector6d xi = Vector6d::Zero();
-  WeightedSystem system = weigh(rows, xi, tukey_px);
-  // Levenberg-Marquardt: the rotation about a slender part's axis is so weakly held that undamped
-  // steps leap.
-  double lambda = 1e-3;
-  for (int k = 0; k < 5 && system.used >= kFewEdges; ++k) {
-    Matrix6d H = system.H;
-    H.diagonal() += lambda * system.H.diagonal();
-    H.diagonal().array() += 1e-7 * system.H.trace() + 1e-12;
-    const Vector6d step = -H.ldlt().solve(system.b);
-    const Vector6d next_xi = (xi + step).cwiseMax(-0.15).cwiseMin(0.15);
-    const WeightedSystem next = weigh(rows, next_xi, tukey_px);
-    if (next.cost > system.cost) {
-      lambda *= 10.0;
+  return rows;
+}
+
+/// Tukey's biweight at the end of the steps.
+struct Weighted {
+  double residual, weight;  // weight 0: an outlier
+};
+
+Weighted weighted(const Row& row, const Vector6d& xi, double tukey_px) {
+  const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r / (tukey_px * tukey_px);
+  return {r, e > 0.0 ? row.trust * e * e : 0.0};
+}
+
+/// The pose moves by pixels within one association, so the projection counts as linear there.
+NormalEquations normalEquations(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
+  NormalEquations out;
+  const double inv2 = 1.0 / (tukey_px * tukey_px);
+  for (const auto& row : rows) {
+    const double r = row.J.dot(xi) - row.offset;
+    const double e = 1.0 - r * r * inv2;
+    if (e <= 0.0) {
+      out.cost += row.trust;
       continue;
     }
-    const bool settled = next.cost > system.cost - 1e-4 * rows.size();
-    xi = next_xi;
-    system = next;
-    lambda *= 0.3;
-    if (settled) break;
+    out.cost += row.trust * (1.0 - e * e * e);
+    out.add(row.J, r, row.trust * e * e);
   }
+  return out;
+}
+
+double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
+  std::vector<double> absolute;
+  for (const auto& row : rows) {
+    const double r = std::abs(row.J.dot(xi) - row.offset);
+    if (r < tukey_px) absolute.push_back(r);
+  }
+  return absolute.empty() ? tukey_px : kSigmaOfMedian * median(std::move(absolute));
+}
+
+/// Whether point i of n is the last of one of `pieces` equal pieces of the outline.
+bool endsPiece(int i, int n, int pieces) { return (i + 1) * pieces / n != i * pieces / n; }
+
+/// Covariance of the aligned pose by the sandwich estimator: H^-1 (sum of the clusters' score
+/// vectors, squared) H^-1.
+Matrix6d covarianceOf(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
+                      const Matrix6d& H, const Matrix6d& H_inverse) {
+  // Few clusters may agree by chance: no edge is better than the bias.
+  Matrix6d squares = kBiasPx * kBiasPx * H + kPrior * Matrix6d::Identity();
+  Vector6d score = Vector6d::Zero(), shift = Vector6d::Zero();
+  const int n = static_cast<int>(rows.size());
+  int clusters = 0;
+  for (int i = 0; i < n; ++i) {
+    const auto [r, w] = weighted(rows[i], xi, tukey_px);
+    score += (w * r) * rows[i].J;
+    shift += w * rows[i].J;
+    if (endsPiece(i, n, kClusters)) {
+      squares += score * score.transpose();
+      clusters += score.isZero(0.0) ? 0 : 1;
+      score.setZero();
+    }
+    if (endsPiece(i, n, kSides)) {
+      squares += (kBiasPx * kBiasPx) * shift * shift.transpose();
+      shift.setZero();
+    }
+  }
+  // Six unknowns follow the clusters; of six or fewer nothing is left to tell the error by.
+  const double left = std::max(1, clusters - 6);
+  return H_inverse * squares * H_inverse * (std::max(7, clusters) / left);
+}
+
+/// Pose and edge offset together, by the final weights.
+void tellOffset(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
+                const Eigen::LDLT<Matrix6d>& solver, const Vector6d& b, ImagePose* out) {
+  Vector6d h = Vector6d::Zero();
+  double hh = 0.0, c = 0.0;
+  for (const Row& row : rows) {
+    const auto [r, w] = weighted(row, xi, tukey_px);
+    // The predicted edge moves inward: its offset along the outward normal falls by the edge
+    // offset times out_px.
+    h -= (w * row.out_px) * row.J;
+    hh += w * row.out_px * row.out_px;
+    c -= w * row.out_px * r;
+  }
+  const Vector6d g = solver.solve(h);
+  out->per_offset = -g;
+  const double information = hh - h.dot(g);
+  if (information <= 0.0) return;
+  out->offset = -(c - g.dot(b)) / information;
+  double variance = std::max(kLeastVariancePx2, out->residual_px * out->residual_px) / information;
+  double side = 0.0;  // what a pixel of bias on a side does to the offset
+  const int n = static_cast<int>(rows.size());
+  for (int i = 0; i < n; ++i) {
+    const double w = weighted(rows[i], xi, tukey_px).weight;
+    side += w * (rows[i].out_px + g.dot(rows[i].J)) / information;
+    if (!endsPiece(i, n, kSides)) continue;
+    variance += kOffsetBiasPx * kOffsetBiasPx * side * side;
+    side = 0.0;
+  }
+  out->offset_sigma = std::sqrt(variance);
+}
+
+}  // namespace
+
+ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
+                       const std::vector<LocalPoint>& points, const Solid& solid,
+                       const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
+                       double tukey_px) {
+  const auto rows = associate(edges, camera, points, solid, T_camera_centre, profile);
+  LevenbergMarquardtParams params;
+  params.evaluations = kEvaluations;
+  params.width = params.width_end = tukey_px;
+  params.settled = kSettled * static_cast<double>(rows.size());
+  const Vector6d xi = minimise(
+      Vector6d(Vector6d::Zero()), params,
+      [&](const Vector6d& at, int, double width) { return normalEquations(rows, at, width); },
+      [](const Vector6d& at, const Vector6d& step) -> Vector6d {
+        return (at + step).cwiseMax(-kStepMost).cwiseMin(kStepMost);
+      });
+  const NormalEquations system = normalEquations(rows, xi, tukey_px);
+  ImagePose out;
+  out.T_camera_centre = T_camera_centre;
   out.used = system.used;
+  out.status = AlignmentStatus::kTooFewEdges;
   if (out.used < kFewEdges) return out;
+  out.status = AlignmentStatus::kAligned;
   out.T_camera_centre = stepped(T_camera_centre, xi, solid.radius);
   out.residual_px = robustSpread(rows, xi, tukey_px);
-  judge(rows, xi, tukey_px, &out);
+  const Matrix6d H = system.H + kPrior * Matrix6d::Identity();
+  const Eigen::LDLT<Matrix6d> solver(H);
+  out.covariance = covarianceOf(rows, xi, tukey_px, system.H, solver.solve(Matrix6d::Identity()));
+  tellOffset(rows, xi, tukey_px, solver, system.b, &out);
   return out;
 }
 

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Second part of stage 3: sub-pixel edges along the outline's normals in the raw image, with the
-/// full lens model.
+/// Second part of stage 3: a pose is aligned to sub-pixel edges along the outline's normals.
 
 #include "image/edge_search.h"
 
@@ -15,26 +14,34 @@ namespace planar_bin_picking {
 /// Fewer edges do not hold six unknowns against what is wrong with some of them.
 inline constexpr int kFewEdges = 8;
 
-struct ImagePose {
-  Eigen::Isometry3d T_camera_centre = Eigen::Isometry3d::Identity();
-  double residual_px = 0.0;  ///< robust standard deviation of the offsets
-  /// Of xi (translation in radii). Neighbouring points err alike (light, bevel, a neighbour's
-  /// edge), so stretches of the outline count as the independent observations: the cluster-robust
-  /// (sandwich) estimate. Before anything is seen, and where edges are too few, a radius and a
-  /// radian; so it stays in directions that no edge holds.
-  Matrix6d covariance = Matrix6d::Identity();
-  Vector6d per_inset = Vector6d::Zero();  ///< how xi follows an error of the inset, both in radii
-  int used = 0;  ///< points with a weight; where fewer than kFewEdges, the pose is left alone
-  /// By how much the edges lie inside the outline everywhere (a bevelled cut edge), as this pose
-  /// alone tells, and its standard deviation; both in radii, infinite where it cannot tell.
-  double inset = 0.0, inset_sigma = std::numeric_limits<double>::infinity();
+enum class AlignmentStatus {
+  kNotAligned,   ///< nothing has been looked at
+  kTooFewEdges,  ///< fewer than kFewEdges with a weight: the pose is left alone
+  kAligned,
 };
 
-/// One association and a few damped, re-weighted Gauss-Newton steps with Tukey weights of width
+struct ImagePose {
+  AlignmentStatus status = AlignmentStatus::kNotAligned;
+  Eigen::Isometry3d T_camera_centre = Eigen::Isometry3d::Identity();
+  int used = 0;              ///< points with a weight
+  double residual_px = 0.0;  ///< robust standard deviation of the edges' offsets
+  /// Of xi (translation in radii). Neighbouring points err alike (light, bevel, a neighbour's
+  /// edge), so clusters of them count as the independent observations: the sandwich estimator of
+  /// clustered data. Unless the pose is aligned, a radius and a radian; so it stays in directions
+  /// that no edge holds.
+  Matrix6d covariance = Matrix6d::Identity();
+  /// How xi follows an error of the edge offset; both in radii.
+  Vector6d per_offset = Vector6d::Zero();
+  /// By how much the edges lie inside the outline everywhere (a bevelled cut edge), as this pose
+  /// alone tells, and its standard deviation; both in radii, infinite where it cannot tell.
+  double offset = 0.0, offset_sigma = std::numeric_limits<double>::infinity();
+};
+
+/// One association and a few steps of the robust least squares with Tukey weights of width
 /// `tukey_px`. Cost: O(points * reach).
-ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
-                      const std::vector<LocalPoint>& points, const Solid& solid,
-                      const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
-                      double tukey_px);
+ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
+                       const std::vector<LocalPoint>& points, const Solid& solid,
+                       const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
+                       double tukey_px);
 
 }  // namespace planar_bin_picking

@@ -11,16 +11,16 @@ namespace {
 
 const sim::Lie kLie{15, -10, 600, 25, 5};
 
-double supportOf(const sim::Plate& drawn, const PartModel& part, double turn_deg,
-                 double print_grey) {
+double inlierScore(const sim::Plate& drawn, const PartModel& part, double turn_deg,
+                   double print_grey) {
   sim::Scene scene = sceneOf(drawn, kLie);
   scene.plates[0].print_grey = print_grey;
   const Shot shot = shoot(scene);
   const auto points =
       localPoints(part, 200, [](const OutlinePoint& p) { return p.kind == LoopKind::kPrint; });
   const auto T = candidateNear(sim::poseOf(kLie), 0.0, turn_deg).T_camera_part;
-  return printSupport(shot.edges, shot.camera, points, part.radius(),
-                      T * centreOf(part, Face::kFront));
+  return printScore(shot.edges, shot.camera, points, part.radius(),
+                    T * centreOf(part, Face::kFront));
 }
 
 /// The printed plate with a line of this width along its print in place of the filled area.
@@ -36,16 +36,16 @@ sim::Plate stroked(double width_mm) {
 TEST(PrintEvidence, BordersOfFilledAreas) {
   const auto part = makePart("printed", printedPlate());
   for (const double grey : {60.0, 230.0}) {
-    EXPECT_GT(supportOf(printedPlate(), *part, 0.0, grey), 0.9) << grey;
-    EXPECT_LT(supportOf(printedPlate(), *part, 90.0, grey), 0.4) << grey;
+    EXPECT_GT(inlierScore(printedPlate(), *part, 0.0, grey), 0.9) << grey;
+    EXPECT_LT(inlierScore(printedPlate(), *part, 90.0, grey), 0.4) << grey;
   }
 }
 
 TEST(PrintEvidence, StrokesOfAnyWidth) {
   const auto part = makePart("printed", printedPlate());
   for (const double width_mm : {0.4, 1.0, 2.0}) {
-    EXPECT_GT(supportOf(stroked(width_mm), *part, 0.0, 60.0), 0.85) << width_mm;
-    EXPECT_LT(supportOf(stroked(width_mm), *part, 180.0, 60.0), 0.4) << width_mm;
+    EXPECT_GT(inlierScore(stroked(width_mm), *part, 0.0, 60.0), 0.85) << width_mm;
+    EXPECT_LT(inlierScore(stroked(width_mm), *part, 180.0, 60.0), 0.4) << width_mm;
   }
 }
 
@@ -53,7 +53,7 @@ TEST(PrintEvidence, ABlankFaceHasNone) {
   const auto part = makePart("printed", printedPlate());
   sim::Plate blank = printedPlate();
   blank.prints.clear();
-  EXPECT_LT(supportOf(blank, *part, 0.0, 60.0), 0.15);
+  EXPECT_LT(inlierScore(blank, *part, 0.0, 60.0), 0.15);
 }
 
 }  // namespace

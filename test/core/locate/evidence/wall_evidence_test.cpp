@@ -35,8 +35,8 @@ std::optional<double> wallSupportOf(const Eigen::Isometry3d& truth, const Eigen:
     scene.plates.push_back({{rectangle(-50, -40, -40 + cover_mm, 40), {}, {}, 0.0}, truth, 200.0});
   const Shot shot = shoot(scene);
   const auto points = localPoints(*part, 320, [](const OutlinePoint&) { return true; });
-  return wallSupport(shot.edges, shot.camera, points, solidOf(*part, Face::kFront),
-                     pose * centreOf(*part, Face::kFront));
+  return wallScore(shot.edges, shot.camera, points, solidOf(*part, Face::kFront),
+                   pose * centreOf(*part, Face::kFront));
 }
 
 TEST(WallEvidence, SpeaksForTheSideOnWhichTheWallIs) {

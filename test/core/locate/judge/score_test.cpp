@@ -83,7 +83,7 @@ TEST(Score, TheInsetIsFollowed) {
     return scorePoses(shot.edges, shot.camera, {part}, {pose}, {}, 1).at(0).score;
   };
   const double without = score();
-  pose.inset = 0.4e-3;
+  pose.edge_offset = 0.4e-3;
   EXPECT_GT(score(), without + 0.2);
 }
 

@@ -51,57 +51,103 @@ std::vector<RefinedPose> lying(double spread_deg, int count) {
   return out;
 }
 
-TEST(CommonLie, FewPosesTellNothing) { EXPECT_FALSE(commonLie(lying(1.0, 5), kParts)); }
-
-TEST(CommonLie, FindsNormalAndSpreadOfBothFaces) {
-  auto poses = lying(2.0, 60);
-  for (int i = 0; i < 8; ++i) poses.push_back(poseAt(Face::kFront, -40.0, 5.0 * i, 0.1));
-  const auto lie = commonLie(poses, kParts);
-  ASSERT_TRUE(lie);
-  const Eigen::Vector3d expected =
-      -poseAt(Face::kBack, 10.0, -5.0, 0.1).T_camera_part.linear().col(2);
-  EXPECT_LT(std::acos(lie->normal_camera.dot(expected)), 1.0 * kRadians);
-  EXPECT_NEAR(lie->tilt_spread, 2.0 * kRadians, 0.7 * kRadians);
+std::optional<ScenePlane> planeOf(const std::vector<RefinedPose>& poses) {
+  return SceneFaces(poses, kParts).plane();
 }
 
-TEST(CommonLie, OpenTiltsGoToTheCommonOneAndKnownOnesStay) {
-  auto poses = lying(1.0, 40);
-  const auto lie = commonLie(poses, kParts);
-  ASSERT_TRUE(lie);
+/// The pose after the others have had their say.
+RefinedPose fusedAmong(const RefinedPose& pose, std::vector<RefinedPose> others) {
+  others.push_back(pose);
+  fuseWithScenePlane(kParts, &others);
+  return others.back();
+}
+
+TEST(ScenePlane, FewPosesTellNothing) {
+  EXPECT_FALSE(planeOf(lying(1.0, 4)));
+  EXPECT_TRUE(planeOf(lying(1.0, 5)));
+  const RefinedPose pose = poseAt(Face::kFront, 14.0, -5.0, 4.0);
+  EXPECT_EQ(fusedAmong(pose, lying(1.0, 4)).T_camera_part.matrix(), pose.T_camera_part.matrix());
+  EXPECT_LT(fusedAmong(pose, lying(1.0, 5)).covariance(3, 3), 0.5 * pose.covariance(3, 3));
+}
+
+TEST(ScenePlane, FindsNormalAndSpreadOfBothFaces) {
+  auto poses = lying(2.0, 60);
+  for (int i = 0; i < 8; ++i) poses.push_back(poseAt(Face::kFront, -40.0, 5.0 * i, 0.1));
+  const auto scene = planeOf(poses);
+  ASSERT_TRUE(scene);
+  const Eigen::Vector3d expected =
+      -poseAt(Face::kBack, 10.0, -5.0, 0.1).T_camera_part.linear().col(2);
+  EXPECT_LT(std::acos(scene->plane.normal_camera.dot(expected)), 1.0 * kRadians);
+  EXPECT_NEAR(scene->tilt_spread, 2.0 * kRadians, 0.7 * kRadians);
+}
+
+TEST(ScenePlane, NoPoseHasASayInItsOwnPrior) {
+  auto poses = lying(1.0, 8);
+  const SceneFaces faces(poses, kParts);
+  const auto others = faces.plane(3);
+  poses.erase(poses.begin() + 3);
+  const auto without = planeOf(poses);
+  ASSERT_TRUE(others && without);
+  EXPECT_EQ(others->plane.normal_camera, without->plane.normal_camera);
+  EXPECT_EQ(others->plane.distance, without->plane.distance);
+  EXPECT_EQ(others->tilt_spread, without->tilt_spread);
+  EXPECT_NE(others->plane.normal_camera, faces.plane()->plane.normal_camera);
+}
+
+TEST(ScenePlane, DoubtfulTiltsCountLess) {
+  auto poses = lying(0.5, 9);
+  std::vector<double> weights(9, 0.5);
+  for (int i = 0; i < 6; ++i) {
+    poses.push_back(poseAt(Face::kFront, -10.0, 5.0, 0.1));
+    weights.push_back(1.0);
+  }
+  const Eigen::Vector3d sure = -poseAt(Face::kBack, -10.0, 5.0, 0.1).T_camera_part.linear().col(2);
+  EXPECT_GT(std::acos(planeOf(poses)->plane.normal_camera.dot(sure)), 10.0 * kRadians);
+  const auto weighted = SceneFaces(poses, kParts, weights).plane();
+  EXPECT_LT(std::acos(weighted->plane.normal_camera.dot(sure)), 3.0 * kRadians);
+  // No weight is no face.
+  std::fill(weights.begin() + 4, weights.end(), 0.0);
+  EXPECT_FALSE(SceneFaces(poses, kParts, weights).plane());
+}
+
+TEST(ScenePlane, OpenTiltsGoToTheCommonOneAndKnownOnesStay) {
+  const auto others = lying(1.0, 40);
   for (const Face face : {Face::kFront, Face::kBack}) {
     const RefinedPose common = poseAt(face, 10.0, -5.0, 0.1);
-    std::vector<RefinedPose> fused = {poseAt(face, 14.0, -5.0, 4.0), poseAt(face, 14.0, -5.0, 0.1),
-                                      poseAt(face, 40.0, -5.0, 4.0)};
-    const auto before = fused;
-    fuseWithCommonLie(*lie, kParts, &fused);
-    EXPECT_LT(tiltBetween(fused[0], common), 1.0);     // open
-    EXPECT_LT(tiltBetween(fused[1], before[1]), 0.2);  // known
-    EXPECT_LT(tiltBetween(fused[2], before[2]), 4.0);  // lies otherwise
-    EXPECT_LT(fused[0].covariance(3, 3), 0.2 * before[0].covariance(3, 3));
+    const RefinedPose open = poseAt(face, 14.0, -5.0, 4.0), known = poseAt(face, 14.0, -5.0, 0.1),
+                      otherwise = poseAt(face, 40.0, -5.0, 4.0);
+    EXPECT_LT(tiltBetween(fusedAmong(open, others), common), 1.0);
+    EXPECT_LT(tiltBetween(fusedAmong(known, others), known), 0.2);
+    EXPECT_LT(tiltBetween(fusedAmong(otherwise, others), otherwise), 4.0);
+    EXPECT_LT(fusedAmong(open, others).covariance(3, 3), 0.2 * open.covariance(3, 3));
   }
 }
 
-TEST(CommonLie, TheFaceTurnsAboutItsCentre) {
-  const auto lie = commonLie(lying(1.0, 40), kParts);
-  std::vector<RefinedPose> fused = {poseAt(Face::kBack, 14.0, -5.0, 4.0)};
-  const Eigen::Vector3d centre(kParts[0]->center().x(), kParts[0]->center().y(),
-                               kParts[0]->faceZ(Face::kBack));
-  const Eigen::Vector3d before = fused[0].T_camera_part * centre;
-  fuseWithCommonLie(*lie, kParts, &fused);
-  const Eigen::Vector3d moved = fused[0].T_camera_part * centre - before;
-  EXPECT_LT((moved - moved.dot(lie->normal_camera) * lie->normal_camera).norm(), 1e-5);
+TEST(ScenePlane, LikelierTiltsAreTheCommonOnes) {
+  const auto scene = planeOf(lying(1.0, 40));
+  ASSERT_TRUE(scene);
+  const auto at = [&](double degrees, double sigma_deg) {
+    const Eigen::Vector3d n =
+        -poseAt(Face::kBack, 10.0 + degrees, -5.0, 0.1).T_camera_part.linear().col(2);
+    return logTiltDensity(*scene, n, std::pow(sigma_deg * kRadians, 2));
+  };
+  EXPECT_GT(at(0, 1) - at(5, 1), 2.0);
+  // Some lie anyhow: beyond a few spreads, farther is hardly less likely.
+  EXPECT_LT(at(10, 1) - at(15, 1), 1.0);
+  EXPECT_GT(at(10, 1) - at(40, 1), 1.0);
+  // What is badly measured says less.
+  EXPECT_LT(at(0, 8) - at(5, 8), 0.5);
 }
 
-TEST(CommonLie, CorrelatedDepthFollowsTheTilt) {
-  auto lie = commonLie(lying(1.0, 40), kParts);
-  lie->height_spread = 0.1;  // tells nothing of the depth
-  std::vector<RefinedPose> fused = {poseAt(Face::kBack, 14.0, -5.0, 4.0)};
-  Matrix6d& C = fused[0].covariance;
-  C(2, 3) = C(3, 2) = 0.9 * std::sqrt(C(2, 2) * C(3, 3));
-  const double depth = fused[0].T_camera_part.translation().z(), variance = C(2, 2);
-  fuseWithCommonLie(*lie, kParts, &fused);
-  EXPECT_GT(std::abs(fused[0].T_camera_part.translation().z() - depth), 0.2e-3);
-  EXPECT_LT(fused[0].covariance(2, 2), 0.5 * variance);
+TEST(ScenePlane, TheFaceTurnsAboutItsCentre) {
+  const RefinedPose pose = poseAt(Face::kBack, 14.0, -5.0, 4.0);
+  const auto others = lying(1.0, 40);
+  const Eigen::Vector3d centre(kParts[0]->center().x(), kParts[0]->center().y(),
+                               kParts[0]->faceZ(Face::kBack));
+  const Eigen::Vector3d moved =
+      fusedAmong(pose, others).T_camera_part * centre - pose.T_camera_part * centre;
+  const Eigen::Vector3d n = planeOf(others)->plane.normal_camera;
+  EXPECT_LT((moved - moved.dot(n) * n).norm(), 1e-5);
 }
 
 /// Lying flat `height_mm` off a plane 0.6 m away, depth measured to `sigma_mm`.
@@ -129,28 +175,38 @@ std::vector<RefinedPose> above(double spread_mm) {
   return out;
 }
 
-TEST(CommonLie, InALayerAnOpenDepthGoesToTheOthers) {
-  const auto lie = commonLie(above(0.3), kParts);
-  ASSERT_TRUE(lie);
-  EXPECT_NEAR(lie->height, -0.6, 0.2e-3);
-  EXPECT_NEAR(lie->height_spread, 0.3e-3, 0.15e-3);
+TEST(ScenePlane, InALayerAnOpenDepthGoesToTheOthers) {
+  const auto others = above(0.3);
+  const auto scene = planeOf(others);
+  ASSERT_TRUE(scene);
+  EXPECT_NEAR(scene->plane.distance, 0.6, 0.2e-3);
+  EXPECT_NEAR(scene->height_spread, 0.3e-3, 0.15e-3);
   for (const Face face : {Face::kFront, Face::kBack}) {
-    std::vector<RefinedPose> fused = {poseAbove(face, 4.0, 3.0), poseAbove(face, 4.0, 0.05),
-                                      poseAbove(face, 30.0, 3.0)};
-    fuseWithCommonLie(*lie, kParts, &fused);
-    EXPECT_NEAR(heightOf(fused[0]), 0.0, 0.3);   // open
-    EXPECT_NEAR(heightOf(fused[1]), 4.0, 0.1);   // known
-    EXPECT_NEAR(heightOf(fused[2]), 30.0, 1.0);  // lies on others
-    EXPECT_LT(fused[0].covariance(2, 2), std::pow(0.5e-3, 2));
+    const RefinedPose open = fusedAmong(poseAbove(face, 4.0, 3.0), others);
+    EXPECT_NEAR(heightOf(open), 0.0, 0.3);
+    EXPECT_LT(open.covariance(2, 2), std::pow(0.5e-3, 2));
+    EXPECT_NEAR(heightOf(fusedAmong(poseAbove(face, 4.0, 0.05), others)), 4.0, 0.1);   // known
+    EXPECT_NEAR(heightOf(fusedAmong(poseAbove(face, 30.0, 3.0), others)), 30.0, 1.0);  // on others
   }
 }
 
-TEST(CommonLie, InAHeapDepthStays) {
-  const auto lie = commonLie(above(20.0), kParts);
-  ASSERT_TRUE(lie);
-  std::vector<RefinedPose> fused = {poseAbove(Face::kFront, 15.0, 1.0)};
-  fuseWithCommonLie(*lie, kParts, &fused);
-  EXPECT_NEAR(heightOf(fused[0]), 15.0, 0.2);
+TEST(ScenePlane, CorrelatedDepthFollowsTheTilt) {
+  std::vector<RefinedPose> others = lying(1.0, 40);
+  for (std::size_t i = 0; i < others.size(); ++i)  // a heap: it tells nothing of the depth
+    others[i].T_camera_part.translation().z() += 0.01 * static_cast<double>(i);
+  RefinedPose pose = poseAt(Face::kBack, 14.0, -5.0, 4.0);
+  pose.T_camera_part.translation().z() += 0.2;
+  Matrix6d& C = pose.covariance;
+  C(2, 3) = C(3, 2) = 0.9 * std::sqrt(C(2, 2) * C(3, 3));
+  const RefinedPose fused = fusedAmong(pose, others);
+  EXPECT_GT(std::abs((fused.T_camera_part.translation() - pose.T_camera_part.translation()).z()),
+            0.2e-3);
+  EXPECT_LT(fused.covariance(2, 2), 0.5 * C(2, 2));
+}
+
+TEST(ScenePlane, InAHeapDepthStays) {
+  const RefinedPose fused = fusedAmong(poseAbove(Face::kFront, 15.0, 1.0), above(20.0));
+  EXPECT_NEAR(heightOf(fused), 15.0, 0.2);
 }
 
 }  // namespace

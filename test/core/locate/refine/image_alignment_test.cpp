@@ -24,8 +24,8 @@ const sim::Lie kLie{20, -10, 600, 30, 12, 60};
 /// The pose of a drawn bracket, from these of its points.
 ImagePose poseFrom(const Shot& shot, const std::vector<LocalPoint>& points) {
   const Eigen::Isometry3d T = sim::poseOf(kLie) * centreOf(*kBracket, Face::kFront);
-  return stepInImage(shot.edges, shot.camera, points, solidOf(*kBracket, Face::kFront), T, kReach,
-                     kTukeyPx);
+  return alignInImage(shot.edges, shot.camera, points, solidOf(*kBracket, Face::kFront), T, kReach,
+                      kTukeyPx);
 }
 
 double widest(const ImagePose& pose) {
@@ -33,7 +33,7 @@ double widest(const ImagePose& pose) {
       Eigen::SelfAdjointEigenSolver<Matrix6d>(pose.covariance).eigenvalues().maxCoeff());
 }
 
-TEST(RefineImage, TooFewEdgesLeaveEverythingOpen) {
+TEST(ImageAlignment, TooFewEdgesLeaveEverythingOpen) {
   const Shot shot = shoot(sceneOf(bracketPlate(), kLie));
   const auto all = localPoints(*kBracket, 320, isShape);
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{7}}) {
@@ -41,17 +41,19 @@ TEST(RefineImage, TooFewEdgesLeaveEverythingOpen) {
     for (std::size_t i = 0; i < count; ++i) few.push_back(all[i * all.size() / 7]);
     const ImagePose pose = poseFrom(shot, few);
     EXPECT_EQ(pose.used, static_cast<int>(count));
+    EXPECT_EQ(pose.status, AlignmentStatus::kTooFewEdges);
+    EXPECT_FALSE(std::isfinite(pose.offset_sigma));
     // A radius and a radian, in every direction.
     EXPECT_TRUE(pose.covariance.isApprox(Matrix6d::Identity()));
   }
 }
 
-TEST(RefineImage, FewerEdgesAreWorthLess) {
+TEST(ImageAlignment, FewerEdgesAreWorthLess) {
   const Shot shot = shoot(sceneOf(bracketPlate(), kLie));
   double last = 0.0;
   for (const int count : {320, 80, 30, 16, 9}) {
     const ImagePose pose = poseFrom(shot, localPoints(*kBracket, count, isShape));
-    ASSERT_GE(pose.used, kFewEdges);
+    ASSERT_EQ(pose.status, AlignmentStatus::kAligned);
     EXPECT_GT(widest(pose), last) << count << " points";
     last = widest(pose);
   }
@@ -60,7 +62,7 @@ TEST(RefineImage, FewerEdgesAreWorthLess) {
 
 /// However many points lie on one straight side, nothing tells where along it the part lies, nor
 /// how it is turned about it.
-TEST(RefineImage, WhatNoEdgeHoldsStaysOpen) {
+TEST(ImageAlignment, WhatNoEdgeHoldsStaysOpen) {
   const Shot shot = shoot(sceneOf(bracketPlate(), kLie));
   std::vector<LocalPoint> side;
   for (const auto& p : localPoints(*kBracket, 512, isShape)) {
@@ -78,7 +80,7 @@ TEST(RefineImage, WhatNoEdgeHoldsStaysOpen) {
 }
 
 /// Errors against what the covariance says of them, over many pictures of ten points each.
-TEST(RefineImage, FewEdgesAreJudgedHonestly) {
+TEST(ImageAlignment, FewEdgesAreJudgedHonestly) {
   double sum = 0.0;
   constexpr int kPictures = 20;
   for (int seed = 1; seed <= kPictures; ++seed) {

@@ -92,7 +92,7 @@ TEST(Refine, EachCopyKeepsTheInsetOfItsOwnEdges) {
       if ((found - truth).head<2>().norm() > 0.01) continue;
       // Taken for distance, 0.3 mm of 24 would be 7.5 mm.
       EXPECT_NEAR(found.z(), truth.z(), 2e-3) << i;
-      EXPECT_NEAR(1e3 * pose.inset, insets_mm[i], 0.12) << i;
+      EXPECT_NEAR(1e3 * pose.edge_offset, insets_mm[i], 0.12) << i;
     }
   }
 }

@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locate/refine/aligner.h"
+
+#include "locate/evidence/inlier_score.h"
+#include "locate/evidence/print_evidence.h"
+#include "locate/evidence/wall_evidence.h"
+#include "locate/refine/field_alignment.h"
+#include "part/part_size.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr SearchProfile kNarrow{4, true, 0.8};
+/// Tukey's widths of the alignments, pixels; of the wide one also in its reach.
+constexpr std::array<double, 2> kNarrowTukey{3.0, 2.0};
+constexpr double kWideTukeyMiddle = 0.7, kWideTukeyLast = 4.0, kSearchTukeyLast = 0.5;
+constexpr double kWideSigma = 1.2;
+/// What the field leaves: this share of the part's radius, and pixels, between these.
+constexpr double kWideShare = 0.03;
+constexpr int kWideLeast = 6, kWideMost = 14;
+/// Pixels off the outline from which on an edge is no inlier: what a wide alignment leaves.
+constexpr double kInlierReachPx = 2.0;
+/// In the field, its reach at the end and a cell's half more.
+constexpr double kFieldInlierReach = 1.5, kFieldCompareReachPx = 2.0;
+
+/// Starts of the search: relative distance, turns about the part's x and y.
+constexpr std::array<std::array<double, 3>, 8> kSearch = {{{0.03, 0, 0},
+                                                           {-0.03, 0, 0},
+                                                           {0.06, 0, 0},
+                                                           {0, 0.12, 0},
+                                                           {0, -0.12, 0},
+                                                           {0, 0, 0.12},
+                                                           {0, 0, -0.12},
+                                                           {-0.06, 0, 0}}};
+
+}  // namespace
+
+Aligner::Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams& params,
+                 const std::vector<std::shared_ptr<const PartModel>>& parts)
+    : edges_(edges), camera_(camera), params_(params) {
+  const auto is_shape = [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; };
+  const auto is_print = [](const OutlinePoint& p) { return p.kind == LoopKind::kPrint; };
+  for (const auto& part : parts) {
+    const FaceOutline face{localPoints(*part, params.wide_points / 2, is_shape),
+                           localPoints(*part, params.wide_points, is_shape),
+                           localPoints(*part, params.image_points, is_shape)};
+    outlines_.push_back({part.get(),
+                         grainOf(*part),
+                         localPoints(*part, params.field_points, is_shape),
+                         localPoints(*part, params.image_points, is_print),
+                         {face, face}});
+  }
+}
+
+PoseHypothesis Aligner::alignToField(const Candidate& candidate) const {
+  const PartOutline& outline = outlines_[candidate.part];
+  const double radius = outline.part->radius();
+  const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, candidate.face);
+  const Eigen::Isometry3d T_start = candidate.T_camera_part * T_part_centre;
+  const Field& field = edges_.fieldOf(candidate.part);
+  const double reach_px =
+      params_.field_reach_radii * field.focal * radius / T_start.translation().z();
+  const Eigen::Isometry3d T =
+      alignInField(field, outline.field, radius, T_start, reach_px, params_);
+  PoseHypothesis out;
+  out.part = candidate.part;
+  out.face = candidate.face;
+  out.T_camera_part = T * T_part_centre.inverse();
+  out.inlier_score = fieldInlierScore(field, outline.field, radius, T,
+                                      kFieldInlierReach * params_.field_reach_end_px);
+  return out;
+}
+
+/// Steps in the raw image, the kernel's width shrinking.
+template <std::size_t N>
+void Aligner::align(const std::vector<LocalPoint>& points, const SearchProfile& profile,
+                    const std::array<double, N>& tukey_px, PoseHypothesis* pose) const {
+  const PartModel& part = *outlineOf(*pose).part;
+  const Eigen::Isometry3d T_part_centre = centreOf(part, pose->face);
+  pose->image.T_camera_centre = pose->T_camera_part * T_part_centre;
+  for (const double tukey : tukey_px) {
+    pose->image = alignInImage(edges_, camera_, points, solidOf(part, pose->face),
+                               pose->image.T_camera_centre, profile, tukey);
+  }
+  pose->T_camera_part = pose->image.T_camera_centre * T_part_centre.inverse();
+  pose->inlier_score = inlierScoreOf(*pose, points);
+}
+
+int Aligner::wideReach(const PoseHypothesis& pose) const {
+  const PartModel& part = *outlineOf(pose).part;
+  const Eigen::Vector3d centre = pose.T_camera_part * centreOf(part, pose.face).translation();
+  const double radius_px = focal() * part.radius() / centre.z();
+  return std::clamp(static_cast<int>(std::lround(kWideShare * radius_px)), kWideLeast, kWideMost);
+}
+
+void Aligner::alignWide(PoseHypothesis* pose) const {
+  const int reach = wideReach(*pose);
+  align(outlineOf(*pose).of(pose->face).wide, {reach, false, kWideSigma},
+        std::array<double, 3>{1.0 * reach, kWideTukeyMiddle * reach, kWideTukeyLast}, pose);
+}
+
+void Aligner::alignNarrow(PoseHypothesis* pose) const {
+  align(outlineOf(*pose).of(pose->face).fine, kNarrow, kNarrowTukey, pose);
+}
+
+void Aligner::searchAround(PoseHypothesis* pose) const {
+  if (pose->searched || pose->inlier_score > params_.search_below) return;
+  const auto& points = outlineOf(*pose).of(pose->face).coarse;
+  const Eigen::Isometry3d T_part_centre = centreOf(*outlineOf(*pose).part, pose->face);
+  PoseHypothesis best = *pose;
+  best.inlier_score = inlierScoreOf(*pose, points);
+  for (const auto& [farther, about_x, about_y] : kSearch) {
+    PoseHypothesis other = *pose;
+    Eigen::Isometry3d T = pose->T_camera_part * T_part_centre;
+    T.translation() *= 1.0 + farther;
+    T.linear() = T.linear() * (Eigen::AngleAxisd(about_x, Eigen::Vector3d::UnitX()) *
+                               Eigen::AngleAxisd(about_y, Eigen::Vector3d::UnitY()))
+                                  .toRotationMatrix();
+    other.T_camera_part = T * T_part_centre.inverse();
+    const int reach = wideReach(other);
+    align(points, {reach, false, kWideSigma},
+          std::array<double, 2>{1.0 * reach, kSearchTukeyLast * reach}, &other);
+    if (other.inlier_score > best.inlier_score) best = other;
+  }
+  alignWide(&best);
+  pose->searched = best.inlier_score <= pose->inlier_score;
+  if (!pose->searched) *pose = best;
+}
+
+double Aligner::inlierScoreOf(const PoseHypothesis& pose,
+                              const std::vector<LocalPoint>& points) const {
+  std::vector<EdgeHit> hits;
+  const PartModel& part = *outlineOf(pose).part;
+  findHits(edges_, camera_, points, solidOf(part, pose.face),
+           pose.T_camera_part * centreOf(part, pose.face), kNarrow, &hits);
+  return inlierScore(hits, kInlierReachPx);
+}
+
+double Aligner::fieldInlierScoreOf(const PoseHypothesis& pose,
+                                   const std::vector<LocalPoint>& points) const {
+  const PartModel& part = *outlineOf(pose).part;
+  return fieldInlierScore(edges_.fieldOf(pose.part), points, part.radius(),
+                          pose.T_camera_part * centreOf(part, pose.face), kFieldCompareReachPx);
+}
+
+std::optional<double> Aligner::wallScoreOf(const PoseHypothesis& pose) const {
+  const PartOutline& outline = outlineOf(pose);
+  return wallScore(edges_, camera_, outline.of(pose.face).fine, solidOf(*outline.part, pose.face),
+                   pose.T_camera_part * centreOf(*outline.part, pose.face));
+}
+
+double Aligner::printScoreOf(const PoseHypothesis& pose) const {
+  const PartOutline& outline = outlineOf(pose);
+  return printScore(edges_, camera_, outline.print, outline.part->radius(),
+                    pose.T_camera_part * centreOf(*outline.part, pose.face));
+}
+
+}  // namespace planar_bin_picking

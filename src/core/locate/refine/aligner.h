@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Moves hypotheses of a pose onto the edges of one picture, coarse to fine.
+
+#include "locate/refine/pose_hypothesis.h"
+#include "planar_bin_picking/locate/params.h"
+
+#include <optional>
+
+namespace planar_bin_picking {
+
+class Aligner {
+ public:
+  Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams& params,
+          const std::vector<std::shared_ptr<const PartModel>>& parts);
+
+  /// Coarse refinement in the distance field.
+  PoseHypothesis alignToField(const Candidate& candidate) const;
+  /// In the image, from what the field leaves (a small share of the part's size) to within the
+  /// narrow reach.
+  void alignWide(PoseHypothesis* pose) const;
+  void alignNarrow(PoseHypothesis* pose) const;
+  /// Restarts about an aligned pose, since a neighbour's edge or a shadow may hold a side of the
+  /// outline and with it the pose: farther and nearer ([1] Sec. III-E goes farther only), tilted to
+  /// all sides. Does nothing where that was in vain before.
+  void searchAround(PoseHypothesis* pose) const;
+
+  /// Of these points of the outline, in the image and in the field.
+  double inlierScoreOf(const PoseHypothesis& pose, const std::vector<LocalPoint>& points) const;
+  double fieldInlierScoreOf(const PoseHypothesis& pose,
+                            const std::vector<LocalPoint>& points) const;
+  /// Of the side walls' lower edges, see wall_evidence.h.
+  std::optional<double> wallScoreOf(const PoseHypothesis& pose) const;
+  /// Of the print as it would be seen from the front, see print_evidence.h.
+  double printScoreOf(const PoseHypothesis& pose) const;
+
+  const std::vector<PartOutline>& outlines() const { return outlines_; }
+  std::vector<PartOutline>& outlines() { return outlines_; }
+  const PartOutline& outlineOf(const PoseHypothesis& pose) const { return outlines_[pose.part]; }
+  double focal() const { return camera_.model().fx; }  ///< pixels
+
+ private:
+  int wideReach(const PoseHypothesis& pose) const;
+  template <std::size_t N>
+  void align(const std::vector<LocalPoint>& points, const SearchProfile& profile,
+             const std::array<double, N>& tukey_px, PoseHypothesis* pose) const;
+
+  const EdgeMap& edges_;
+  const Camera& camera_;
+  const RefineParams& params_;
+  std::vector<PartOutline> outlines_;
+};
+
+}  // namespace planar_bin_picking

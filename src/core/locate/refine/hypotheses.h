@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Poses of one part in the picture that look alike, and the choice between them.
+///
+/// An outline looks nearly the same tilted the other way about the line of sight ([4]), turned or
+/// flipped into a near-symmetry, and, where a print alone tells, into a symmetry. Each such pose is
+/// a hypothesis, aligned by itself. One measure compares any two: the logarithm of the odds, the
+/// sum of what outline, side wall, print and the plane of the scene say.
+
+#include "locate/refine/aligner.h"
+
+#include <optional>
+
+namespace planar_bin_picking {
+
+/// The likeliest pose of a part in the picture, and the one that competes with it by its tilt.
+struct ChosenPose {
+  PoseHypothesis pose;
+  std::optional<PoseHypothesis> other_tilt;  ///< where it is another pose once aligned
+  double lead = 0.0;  ///< log odds of pose over other_tilt, by outline, wall and print
+};
+
+/// @param pose  aligned narrowly
+ChosenPose chooseHypothesis(const Aligner& aligner, const RefineParams& params,
+                            const PoseHypothesis& pose);
+
+/// Parts rest on one another and on one floor: the way that the others lie weighs in on the sign of
+/// each tilt. Poses that change are aligned anew.
+/// @param known  the plane on which the parts lie, if one is known: then that decides instead
+void decideTilts(const Aligner& aligner, const std::vector<std::shared_ptr<const PartModel>>& parts,
+                 std::vector<ChosenPose>* poses);
+
+}  // namespace planar_bin_picking

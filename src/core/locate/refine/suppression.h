@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Non-maximum suppression between the steps of stage 3.
+
+#include "locate/refine/pose_hypothesis.h"
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace planar_bin_picking {
+
+/// Indices of the poses that stay, best first: at most `max_poses` of a part, none below
+/// `score_min`; of poses that agree within `distance` radii (pose_distance.h) only the best.
+std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& poses,
+                                           const std::vector<PartOutline>& outlines,
+                                           double distance, double score_min, int max_poses);
+
+/// Indices, in order, of those that no clearly better pose of the same place outscores.
+std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& poses,
+                                          const std::vector<PartOutline>& outlines);
+
+/// Leaves the elements with these indices, in their order.
+template <class T>
+void keepOnly(const std::vector<std::size_t>& indices, std::vector<T>* all) {
+  std::vector<T> kept;
+  kept.reserve(indices.size());
+  for (const std::size_t i : indices) kept.push_back(std::move((*all)[i]));
+  *all = std::move(kept);
+}
+
+}  // namespace planar_bin_picking
