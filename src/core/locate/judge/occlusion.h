@@ -24,6 +24,7 @@ struct OutlinePiece {
   Eigen::Vector2d position, normal;  ///< part frame; the normal points out of the material
   double length = 0.0;               ///< metres
   bool seen = false;
+  int loop = 0;  ///< index into Drawing::loops
 };
 
 /// @param z  of the face in the part frame

@@ -3,23 +3,42 @@
 #include "locate/judge/score.h"
 
 #include "base/parallel.h"
+#include "locate/evidence/hole_evidence.h"
 #include "locate/evidence/inlier_score.h"
 #include "locate/evidence/print_evidence.h"
 #include "locate/judge/occlusion.h"
 #include "part/outline_view.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace planar_bin_picking {
 namespace {
 
 constexpr SearchProfile kReach{3, true, 0.8};
 
+/// One hole, by itself.
+struct Hole {
+  int loop;
+  double width;  // metres: of a round one the diameter, of a slot up to twice its width
+  std::vector<LocalPoint> points;
+};
+
 /// The outline's points by kind, in order along the loops.
 struct Groups {
   std::array<std::vector<LocalPoint>, 3> points;  // by LoopKind
   std::array<double, 3> length{};                 // metres
+  std::vector<Hole> holes;
 };
+
+double widthOf(const Loop& loop) {
+  double twice_area = 0.0;
+  const auto& p = loop.points;
+  for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++)
+    twice_area += p[j].x() * p[i].y() - p[i].x() * p[j].y();
+  return 2.0 * std::abs(twice_area) / lengthOf(loop);
+}
 
 Groups groupsOf(const PartModel& part, int count) {
   Groups out;
@@ -27,8 +46,14 @@ Groups groupsOf(const PartModel& part, int count) {
     out.points[static_cast<int>(kind)] =
         localPoints(part, count, [kind](const OutlinePoint& p) { return p.kind == kind; });
   }
-  for (const Loop& loop : part.file().drawing.loops)
-    out.length[static_cast<int>(loop.kind)] += lengthOf(loop);
+  constexpr int kHolePoints = 48;
+  const auto& loops = part.file().drawing.loops;
+  for (int i = 0; i < static_cast<int>(loops.size()); ++i) {
+    out.length[static_cast<int>(loops[i].kind)] += lengthOf(loops[i]);
+    if (loops[i].kind != LoopKind::kHole) continue;
+    const auto of_it = [i](const OutlinePoint& p) { return p.loop == i; };
+    out.holes.push_back({i, widthOf(loops[i]), localPoints(part, kHolePoints, of_it)});
+  }
   return out;
 }
 
@@ -40,8 +65,55 @@ void addPieces(const PartModel& part, const std::vector<LocalPoint>& points, dou
   for (std::size_t i = 0; i < points.size(); ++i) {
     const OutlinePoint& p = part.outline()[points[i].index];
     pieces->push_back({p.position, p.normal, length / static_cast<double>(points.size()),
-                       inlierScore(hits[i], reach_px) > kBorneOut});
+                       inlierScore(hits[i], reach_px) > kBorneOut, p.loop});
   }
+}
+
+/// Whether something lies over the hole, as the rest of the outline tells.
+bool isCovered(const PartModel& part, int loop, const EdgeMap& edges, const Camera& camera,
+               const RefinedPose& pose, const std::vector<OutlinePiece>& pieces) {
+  constexpr double kMost = 0.3;  // of the cells around it
+  std::vector<OutlinePiece> others;
+  std::vector<int> around;
+  const FaceGrid& grid = part.faceGrid();
+  for (const OutlinePiece& piece : pieces) {
+    if (piece.loop != loop) {
+      others.push_back(piece);
+      continue;
+    }
+    const int cell = grid.cellNear(piece.position - grid.cellSize() * piece.normal);
+    if (cell >= 0) around.push_back(cell);
+  }
+  const auto covered =
+      findCover(grid, edges, camera, pose.T_camera_part, part.faceZ(pose.face), others);
+  const auto over = std::count_if(around.begin(), around.end(), [&](int cell) {
+    return std::binary_search(covered.begin(), covered.end(), cell);
+  });
+  return static_cast<double>(over) > kMost * static_cast<double>(around.size());
+}
+
+/// How sure it is that a hole is elsewhere or of another size: another part lies there, and however
+/// well the rest fits says nothing against that.
+double provenWrong(const PartModel& part, const std::vector<Hole>& holes, const EdgeMap& edges,
+                   const Camera& camera, const RefinedPose& pose,
+                   const std::vector<OutlinePiece>& pieces) {
+  constexpr double kProof = 0.4;  // of the support, that a hole has more of elsewhere than here
+  const Eigen::Isometry3d T = pose.T_camera_part * centreOf(part, pose.face);
+  const double px_per_metre = camera.model().fx / T.translation().z();
+  double proof = 0.0;
+  for (const Hole& hole : holes) {
+    auto points = hole.points;
+    moveInward(pose.edge_offset / part.radius(), &points);
+    const double width_px = px_per_metre * hole.width * std::abs(T.linear()(2, 2));
+    const HoleEvidence seen =
+        holeEvidence(edges, camera, points, solidOf(part, pose.face), T, width_px);
+    const double lead = seen.elsewhere - seen.here;
+    if (lead > std::max(kProof, proof) &&
+        !isCovered(part, hole.loop, edges, camera, pose, pieces)) {
+      proof = lead;
+    }
+  }
+  return proof;
 }
 
 }  // namespace
@@ -76,7 +148,8 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
       addPieces(part, points, groups[r.part].length[static_cast<int>(kind)], hits,
                 params.visible_reach_px, &pieces);
     }
-    out[i].score = sum / count;
+    out[i].score =
+        sum / count * (1.0 - provenWrong(part, groups[r.part].holes, edges, camera, r, pieces));
     const FaceGrid& grid = part.faceGrid();
     out[i].covered = findCover(grid, edges, camera, r.T_camera_part, part.faceZ(r.face), pieces);
     out[i].visible_fraction =

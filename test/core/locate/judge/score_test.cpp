@@ -71,6 +71,29 @@ TEST(Score, AMissingHoleCostsMoreThanItsLength) {
   EXPECT_LT(scored(sceneOf(solid, kLie), part, sim::poseOf(kLie)).score, 0.6);
 }
 
+TEST(Score, AHoleThatIsElsewhereIsProofAgainstAPose) {
+  const auto part = makePart("bracket", bracketPlate());
+  sim::Plate twin = bracketPlate();
+  twin.holes[0] = circle(-18, 6, 4.5, true);
+  EXPECT_LT(scored(sceneOf(twin, kLie), part, sim::poseOf(kLie)).score, 0.4);
+}
+
+TEST(Score, AHoleOfWhatLiesOverThePartProvesNothing) {
+  const auto part = makePart("bracket", bracketPlate());
+  sim::Scene scene = sceneOf(bracketPlate(), kLie);
+  // Over the left half, with a smaller hole of its own within the drawn one.
+  sim::Plate over{rectangle(-60, -60, -6, 60), {circle(-18, 6, 4.5, true)}, {}, 0.0};
+  const double bare = [&] {
+    sim::Scene plain = scene;
+    sim::Plate without = over;
+    without.holes.clear();
+    plain.plates.push_back({without, sim::poseOf(kLie), 100.0});
+    return scored(plain, part, sim::poseOf(kLie)).score;
+  }();
+  scene.plates.push_back({over, sim::poseOf(kLie), 100.0});
+  EXPECT_NEAR(scored(scene, part, sim::poseOf(kLie)).score, bare, 0.05);
+}
+
 TEST(Score, TheInsetIsFollowed) {
   const auto part = makePart("bracket", bracketPlate());
   sim::Plate smaller = bracketPlate();  // as if its edges were bevelled by 0.4 mm
