@@ -3,6 +3,7 @@
 #include "locate/judge/rank.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace planar_bin_picking {
 namespace {
@@ -58,6 +59,31 @@ double overlap(const Mask& a, const Mask& b) {
   return static_cast<double>(both) / std::max(1, all);
 }
 
+/// A print that is seen is proof against what would lie there with none: the back of a part,
+/// another part without a print.
+std::vector<const ScoredPose*> withoutUnprinted(
+    const std::vector<const ScoredPose*>& poses,
+    const std::vector<std::shared_ptr<const PartModel>>& parts, double overlap_max) {
+  constexpr double kSeen = 0.6;     // by chance 0.1 to 0.3 (print_evidence.h)
+  constexpr double kNearly = 0.75;  // of the score: what the outline has for it
+  std::vector<std::pair<const ScoredPose*, Mask>> printed;
+  for (const auto* s : poses)
+    if (s->print > kSeen) printed.push_back({s, maskOf(*parts[s->part], *s)});
+  std::vector<const ScoredPose*> out;
+  for (const auto* s : poses) {
+    const bool has_print = parts[s->part]->hasPrint() && s->face == Face::kFront;
+    const bool outdone = !has_print && !printed.empty() && [&] {
+      const Mask mask = maskOf(*parts[s->part], *s);
+      return std::any_of(printed.begin(), printed.end(), [&](const auto& p) {
+        return p.first->score > kNearly * s->score && overlap(mask, p.second) > overlap_max &&
+               overlap(p.second, mask) > overlap_max;
+      });
+    }();
+    if (!outdone) out.push_back(s);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
@@ -67,6 +93,7 @@ std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
   for (const auto& s : scored) {
     if (s.score >= score_min) order.push_back(&s);
   }
+  order = withoutUnprinted(order, parts, params.overlap_max);
   // What lies free is picked first: a covered part may score high on what is left of it.
   const auto merit = [](const ScoredPose* s) {
     return s->score * s->visible_fraction * s->visible_fraction;

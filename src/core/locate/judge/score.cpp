@@ -3,6 +3,7 @@
 #include "locate/judge/score.h"
 
 #include "base/parallel.h"
+#include "base/polygon.h"
 #include "locate/evidence/hole_evidence.h"
 #include "locate/evidence/inlier_score.h"
 #include "locate/evidence/print_evidence.h"
@@ -32,12 +33,9 @@ struct Groups {
   std::vector<Hole> holes;
 };
 
+/// Metres.
 double widthOf(const Loop& loop) {
-  double twice_area = 0.0;
-  const auto& p = loop.points;
-  for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++)
-    twice_area += p[j].x() * p[i].y() - p[i].x() * p[j].y();
-  return 2.0 * std::abs(twice_area) / lengthOf(loop);
+  return 4.0 * std::abs(signedArea(loop.points)) / lengthOf(loop);
 }
 
 Groups groupsOf(const PartModel& part, int count) {
@@ -67,6 +65,21 @@ void addPieces(const PartModel& part, const std::vector<LocalPoint>& points, dou
     pieces->push_back({p.position, p.normal, length / static_cast<double>(points.size()),
                        inlierScore(hits[i], reach_px) > kBorneOut, p.loop});
   }
+}
+
+/// What is in view of the print; nothing where that is too little to judge by.
+std::vector<LocalPoint> uncovered(const PartModel& part, Face face, const Groups& group,
+                                  const std::vector<int>& covered) {
+  constexpr double kLeast = 0.25;  // of the print: less may look like anything
+  const auto& print = group.points[static_cast<int>(LoopKind::kPrint)];
+  std::vector<LocalPoint> out;
+  if (face == Face::kBack) return out;
+  for (const LocalPoint& p : print) {
+    const int cell = part.faceGrid().cellNear(part.outline()[p.index].position);
+    if (!std::binary_search(covered.begin(), covered.end(), cell)) out.push_back(p);
+  }
+  if (static_cast<double>(out.size()) < kLeast * static_cast<double>(print.size())) out.clear();
+  return out;
 }
 
 /// Whether something lies over the hole, as the rest of the outline tells.
@@ -130,30 +143,32 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
     const auto& part = *parts[r.part];
     static_cast<RefinedPose&>(out[i]) = r;
     const Eigen::Isometry3d T = r.T_camera_part * centreOf(part, r.face);
+    const Groups& group = groups[r.part];
     double sum = 0.0;
     int count = 0;
     std::vector<OutlinePiece> pieces;
-    for (const auto kind : {LoopKind::kOuter, LoopKind::kHole, LoopKind::kPrint}) {
-      auto points = groups[r.part].points[static_cast<int>(kind)];
-      if (points.empty() || (kind == LoopKind::kPrint && r.face == Face::kBack)) continue;
+    for (const auto kind : {LoopKind::kOuter, LoopKind::kHole}) {
+      auto points = group.points[static_cast<int>(kind)];
+      if (points.empty()) continue;
       ++count;
-      if (kind == LoopKind::kPrint) {
-        sum += printScore(edges, camera, points, part.radius(), T);
-        continue;
-      }
       moveInward(r.edge_offset / part.radius(), &points);
       std::vector<EdgeHit> hits;
       findHits(edges, camera, points, solidOf(part, r.face), T, kReach, &hits);
       sum += inlierScore(hits, params.reach_px);
-      addPieces(part, points, groups[r.part].length[static_cast<int>(kind)], hits,
-                params.visible_reach_px, &pieces);
+      addPieces(part, points, group.length[static_cast<int>(kind)], hits, params.visible_reach_px,
+                &pieces);
     }
-    out[i].score =
-        sum / count * (1.0 - provenWrong(part, groups[r.part].holes, edges, camera, r, pieces));
     const FaceGrid& grid = part.faceGrid();
     out[i].covered = findCover(grid, edges, camera, r.T_camera_part, part.faceZ(r.face), pieces);
     out[i].visible_fraction =
         1.0 - static_cast<double>(out[i].covered.size()) / static_cast<double>(grid.cells().size());
+    const auto print = uncovered(part, r.face, group, out[i].covered);
+    if (!print.empty()) {
+      out[i].print = printScore(edges, camera, print, part.radius(), T);
+      sum += out[i].print;
+      ++count;
+    }
+    out[i].score = sum / count * (1.0 - provenWrong(part, group.holes, edges, camera, r, pieces));
   });
   return out;
 }

@@ -51,6 +51,20 @@ TEST(Rank, NeighboursThatTouchBothStay) {
   EXPECT_EQ(rankPoses({scoredAt(0, 0.7), scoredAt(70, 0.8)}, kParts, 0.5, {}).size(), 2u);
 }
 
+TEST(Rank, APrintThatIsSeenIsProofAgainstWhatHasNone) {
+  sim::Plate plain = printedPlate();
+  plain.prints.clear();
+  const Parts parts = {makePart("printed", printedPlate()), makePart("plain", plain)};
+  const auto firstOf = [&](double print, double x_mm) {
+    ScoredPose printed = scoredAt(0, 0.75);
+    printed.print = print;
+    return rankPoses({printed, scoredAt(x_mm, 0.85, 1.0, 1)}, parts, 0.5, {}).front().part_name;
+  };
+  EXPECT_EQ(firstOf(0.9, 2), "printed");
+  EXPECT_EQ(firstOf(0.3, 2), "plain");   // by chance
+  EXPECT_EQ(firstOf(0.9, 70), "plain");  // lies elsewhere
+}
+
 TEST(Rank, LowScoresAreLeftOut) {
   const std::vector<ScoredPose> poses = {scoredAt(-200, 0.49), scoredAt(0, 0.5),
                                          scoredAt(200, 0.8)};

@@ -94,6 +94,19 @@ TEST(Score, AHoleOfWhatLiesOverThePartProvesNothing) {
   EXPECT_NEAR(scored(scene, part, sim::poseOf(kLie)).score, bare, 0.05);
 }
 
+TEST(Score, AsMuchOfThePrintAsIsInViewIsJudged) {
+  const auto part = makePart("printed", printedPlate());
+  sim::Scene scene = sceneOf(printedPlate(), kLie);
+  const double all = scored(scene, part, sim::poseOf(kLie)).print;
+  EXPECT_GT(all, 0.8);
+  // Something lies over half of the print, which spans -10 to 20.
+  scene.plates.push_back({{rectangle(5, -60, 60, 60), {}, {}, 0.0}, sim::poseOf(kLie), 100.0});
+  EXPECT_GT(scored(scene, part, sim::poseOf(kLie)).print, all - 0.2);
+  // Over nearly all of it.
+  scene.plates.push_back({{rectangle(-9, -60, 60, 60), {}, {}, 0.0}, sim::poseOf(kLie), 100.0});
+  EXPECT_EQ(scored(scene, part, sim::poseOf(kLie)).print, 0.0);
+}
+
 TEST(Score, TheInsetIsFollowed) {
   const auto part = makePart("bracket", bracketPlate());
   sim::Plate smaller = bracketPlate();  // as if its edges were bevelled by 0.4 mm
