@@ -11,6 +11,7 @@
 #include "planar_bin_picking/base/types.h"
 #include "planar_bin_picking/part/part_model.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace planar_bin_picking {
@@ -28,21 +29,54 @@ inline LocalPoint localPoint(const PartModel& part, int index) {
   return {q.x(), q.y(), -p.normal.y(), p.normal.x(), index};
 }
 
+/// Every k-th of the samples, about `count`.
+inline std::vector<int> thinned(const std::vector<int>& indices, int count) {
+  const std::size_t n = indices.size();
+  count = std::min(count, static_cast<int>(n));
+  std::vector<int> out;
+  for (int i = 0; i < count; ++i)
+    out.push_back(indices[static_cast<std::size_t>(i) * n / static_cast<std::size_t>(count)]);
+  return out;
+}
+
+/// Those of the samples that `wanted` accepts.
+template <class Wanted>
+std::vector<int> indicesOf(const PartModel& part, Wanted&& wanted) {
+  std::vector<int> indices;
+  const auto& outline = part.outline();
+  for (std::size_t i = 0; i < outline.size(); ++i)
+    if (wanted(outline[i])) indices.push_back(static_cast<int>(i));
+  return indices;
+}
+
+/// About `count` samples of outer contour and holes: by length, but at least half of them on the
+/// outer contour. Many holes in a row look alike from one pitch to the next, and say little of
+/// where the part lies.
+inline std::vector<int> shapeIndices(const PartModel& part, int count) {
+  const auto outer =
+      indicesOf(part, [](const OutlinePoint& p) { return p.kind == LoopKind::kOuter; });
+  const auto holes =
+      indicesOf(part, [](const OutlinePoint& p) { return p.kind == LoopKind::kHole; });
+  if (outer.size() >= holes.size())
+    return thinned(
+        indicesOf(part, [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; }), count);
+  auto out = thinned(outer, count / 2);
+  const auto rest = thinned(holes, count - count / 2);
+  out.insert(out.end(), rest.begin(), rest.end());
+  return out;
+}
+
+inline std::vector<LocalPoint> localPointsAt(const PartModel& part,
+                                             const std::vector<int>& indices) {
+  std::vector<LocalPoint> out;
+  for (const int index : indices) out.push_back(localPoint(part, index));
+  return out;
+}
+
 /// Every k-th sample (about `count`) of those `wanted` accepts.
 template <class Wanted>
 std::vector<LocalPoint> localPoints(const PartModel& part, int count, Wanted&& wanted) {
-  std::vector<int> indices;
-  const auto& outline = part.outline();
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    if (wanted(outline[i])) indices.push_back(static_cast<int>(i));
-  }
-  const int n = static_cast<int>(indices.size());
-  count = std::min(count, n);
-  std::vector<LocalPoint> out;
-  for (int i = 0; i < count; ++i) {
-    out.push_back(localPoint(part, indices[static_cast<std::size_t>(i) * n / count]));
-  }
-  return out;
+  return localPointsAt(part, thinned(indicesOf(part, wanted), count));
 }
 
 /// Moved into the material by `offset` radii: where the edges of a bevelled cut are seen.

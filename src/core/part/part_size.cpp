@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "part/part_size.h"
 
+#include "base/polygon.h"
 #include "planar_bin_picking/locate/locator.h"
 
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <locale>
 #include <sstream>
@@ -51,6 +53,17 @@ std::string text(const PartModel& part, const Extent& extent, double focal_px, d
 }
 
 }  // namespace
+
+double meanWidthOf(const PartModel& part) {
+  double area = 0.0, length = 0.0;
+  for (const Loop& loop : part.file().drawing.loops) {
+    if (loop.kind == LoopKind::kPrint) continue;
+    const double sign = loop.kind == LoopKind::kHole ? -1.0 : 1.0;
+    area += sign * std::abs(signedArea(loop.points));
+    length += lengthOf(loop);
+  }
+  return 2.0 * std::max(0.0, area) / length;
+}
 
 Extent extentOf(const PartModel& part) {
   std::vector<cv::Point2f> points;

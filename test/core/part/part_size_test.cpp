@@ -32,6 +32,15 @@ sim::Plate bar(double length_mm, double width_mm, double turn_deg = 0.0) {
   return plate;
 }
 
+TEST(PartSize, TheMeanWidthIsTheDistanceFromEdgeToEdge) {
+  EXPECT_NEAR(meanWidthOf(*makePart("bar", bar(300, 20))), 1e-3 * 2 * 6000 / 640, 1e-6);
+  sim::Plate ring = bar(100, 100);
+  ring.holes.push_back(rectangle(-40, -40, 40, 40));
+  EXPECT_NEAR(meanWidthOf(*makePart("frame", ring)), 1e-3 * 2 * 3600 / 720, 1e-6);
+  EXPECT_NEAR(meanWidthOf(*makePart("printed", printedPlate())),
+              1e-3 * 2 * (3600 - 4 * 16 * M_PI) / (240 + 4 * 8 * M_PI), 2e-5);
+}
+
 /// Whether checkPartSize refuses the plate; at 1.7 m a pixel of the pinhole is a millimetre.
 testing::AssertionResult refusedAt(const sim::Plate& plate, double distance_min,
                                    double distance_max, const std::vector<std::string>& words) {

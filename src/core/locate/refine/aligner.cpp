@@ -42,15 +42,16 @@ constexpr std::array<std::array<double, 3>, 8> kSearch = {{{0.03, 0, 0},
 Aligner::Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams& params,
                  const std::vector<std::shared_ptr<const PartModel>>& parts)
     : edges_(edges), camera_(camera), params_(params) {
-  const auto is_shape = [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; };
   const auto is_print = [](const OutlinePoint& p) { return p.kind == LoopKind::kPrint; };
   for (const auto& part : parts) {
-    const FaceOutline face{localPoints(*part, params.wide_points / 2, is_shape),
-                           localPoints(*part, params.wide_points, is_shape),
-                           localPoints(*part, params.image_points, is_shape)};
+    const auto shapePoints = [&part](int count) {
+      return localPointsAt(*part, shapeIndices(*part, count));
+    };
+    const FaceOutline face{shapePoints(params.wide_points / 2), shapePoints(params.wide_points),
+                           shapePoints(params.image_points)};
     outlines_.push_back({part.get(),
                          grainOf(*part),
-                         localPoints(*part, params.field_points, is_shape),
+                         shapePoints(params.field_points),
                          localPoints(*part, params.image_points, is_print),
                          {face, face}});
   }

@@ -29,6 +29,8 @@ constexpr double kTiltsAligned = 0.05;
 constexpr double kTiltSlackDeg = 10.0;
 /// Inlier scores farther behind are not made up for by the narrow alignment.
 constexpr double kHopeless = 0.1;
+/// Where few points differ, a tooth's shadow outweighs them; but not the whole outline.
+constexpr double kOutlineWorse = 0.02;
 /// In the field, with a few points: what an alignment does not make up for.
 constexpr double kHopelessInField = -0.3;
 constexpr std::size_t kMostAligned = 8;  // near-symmetries of one pose, those of the best field
@@ -141,7 +143,8 @@ void compareNearSymmetries(const Aligner& aligner, ChosenPose* chosen) {
                            aligner.inlierScoreOf(pose, pointsAt(part, other->only_part));
     const double odds =
         outline * std::sqrt(share) / kOutlineSigma + printOdds(aligner, rival) - print;
-    if (odds <= chosen_rival.odds) continue;
+    if (odds <= chosen_rival.odds || rival.inlier_score < pose.inlier_score - kOutlineWorse)
+      continue;
     chosen_rival = {odds, other};
     best = rival;
   }

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/plane_pose.h"
 #include "locate/vote/vote_planes.h"
+#include "part/outline_view.h"
 #include "part/part_size.h"
 
 #include <algorithm>
@@ -57,6 +58,14 @@ int stepsOver(double span, double step) {
   return std::max(1, static_cast<int>(std::ceil(span / step)));
 }
 
+/// By how much cells and yaw steps are finer than those along the part's radius: where edges lie
+/// near to one another (bars, perforated plates), each vote would be borne out by the next edge.
+double finerBy(const PartModel& part, const HoughParams& params) {
+  constexpr double kAcross = 3.5;  // cells from one edge to the next; most parts have as many
+  constexpr double kMost = 3.0;    // the search takes the third power as long
+  return std::clamp(kAcross * part.radius() / meanWidthOf(part) / params.radius_cells, 1.0, kMost);
+}
+
 /// The views of a search before they are made: every face, distance, shape and yaw.
 struct ViewGrid {
   std::vector<Face> faces;
@@ -64,14 +73,15 @@ struct ViewGrid {
   double span, yaw_range;  // of the distances' logarithm; rad
   std::vector<Shape> shapes;
 
-  ViewGrid(const HoughTask& task, const HoughParams& params)
+  /// @param finer  steps of the yaw for each that the parameters say
+  ViewGrid(const HoughTask& task, const HoughParams& params, double finer)
       : faces({Face::kFront}), shapes(makeShapes(params.tilt_max_deg)) {
     // The faces of a mirror symmetric outline look the same; a print tells them apart later
     // (refine.h).
     if (!task.part->symmetry().mirror) faces.push_back(Face::kBack);
     const int order = task.part->nearOrder();
     yaw_range = order == 0 ? 0.0 : 2.0 * M_PI / order;
-    yaws = stepsOver(yaw_range, params.yaw_step_deg * M_PI / 180.0);
+    yaws = stepsOver(yaw_range, params.yaw_step_deg / finer * M_PI / 180.0);
     span = std::log(task.distance_max / task.distance_min);
     distances = stepsOver(span, std::log(1.0 + params.distance_step));
   }
@@ -96,20 +106,14 @@ std::vector<View> makeViews(const ViewGrid& grid, double distance_min) {
   return out;
 }
 
-/// Every k-th sample of the outline, prints left out: those tell the face later (score.h).
+/// Samples of the outline, prints left out: those tell the face later (score.h).
 std::vector<OutlinePoint> rasterPoints(const PartModel& part, int count) {
   constexpr int kStride = 37;  // spreads them so that the first few already stand for the whole
-  std::vector<OutlinePoint> all, out;
-  for (const auto& p : part.outline()) {
-    if (p.kind != LoopKind::kPrint) all.push_back(p);
-  }
-  const int n = static_cast<int>(all.size());
-  count = std::min(count, n);
   if (count % kStride == 0) --count;
-  for (int i = 0; i < count; ++i) {
-    const int k = static_cast<int>(static_cast<long long>(i) * kStride % count);
-    out.push_back(all[static_cast<std::size_t>(k) * n / count]);
-  }
+  const std::vector<int> indices = shapeIndices(part, count);
+  const std::size_t n = indices.size();
+  std::vector<OutlinePoint> out;
+  for (std::size_t i = 0; i < n; ++i) out.push_back(part.outline()[indices[i * kStride % n]]);
   return out;
 }
 
@@ -258,10 +262,11 @@ std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& tas
   const Field& field = edges.fieldOf(task.part_index);
   const double distance = std::sqrt(task.distance_min * task.distance_max);
   const double radius_px = field.focal * task.part->radius();
-  const double half = std::max(1.0, 0.5 * radius_px / distance / params.radius_cells);
+  const double finer = finerBy(*task.part, params);
+  const double half = std::max(1.0, 0.5 * radius_px / distance / (finer * params.radius_cells));
   VotePlanes planes = sizePlanes(field, half, radius_px / task.distance_min);
   const auto points = rasterPoints(*task.part, params.raster_points);
-  const ViewGrid grid(task, params);
+  const ViewGrid grid(task, params, finer);
   checkMemory(*task.part, params, grid.count(), planes.bytes(), points.size());
   fillPlanes(field, params.tolerance_cells * 2 * half, threads, &planes);
   const auto views = makeViews(grid, task.distance_min);

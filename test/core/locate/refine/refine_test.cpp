@@ -134,6 +134,22 @@ TEST(Refine, AKeywayTellsTheTooth) {
   }
 }
 
+TEST(Refine, AFineGearIsNotTurnedByHalfATooth) {
+  constexpr int kTeeth = 44;
+  constexpr double kPitch = 360.0 / kTeeth;
+  const Parts parts = {makePart("gear", wheelPlate(kTeeth, false))};
+  for (int k = 0; k < 6; ++k) {
+    const sim::Lie lie{20, -10, 600, 1.3 * k, 4.0 * k};
+    const sim::Scene scene = sceneOf(wheelPlate(kTeeth, false), lie);
+    const auto poses = refined(shoot(scene), parts, {candidateNear(sim::poseOf(lie), 0.5, 1.0)});
+    ASSERT_EQ(poses.size(), 1u) << k;
+    const Eigen::Matrix3d off =
+        sim::poseOf(lie).linear().transpose() * poses[0].T_camera_part.linear();
+    const double turn = std::atan2(off(1, 0), off(0, 0)) / kDegrees;
+    EXPECT_NEAR(std::remainder(turn, kPitch), 0.0, 0.5) << k;
+  }
+}
+
 TEST(Refine, APrintTellsTheFaceAndTheQuarter) {
   const Parts parts = {makePart("printed", printedPlate())};
   for (const bool front : {true, false}) {

@@ -188,5 +188,27 @@ TEST(Hough, RefusesASearchThatWouldTakeTooMuchMemory) {
       {"GB", "edges/megapixels"}));
 }
 
+TEST(Hough, HolesOnAGridAreNotTakenForTheirNeighbours) {
+  constexpr double kPitch = 8.0;
+  sim::Plate plate;
+  plate.outer = rectangle(-60, -44, 60, 44);
+  for (int i = 0; i < 14; ++i)
+    for (int k = 0; k < 10; ++k)
+      plate.holes.push_back(circle(kPitch * (i - 6.5), kPitch * (k - 4.5), 2.5, true));
+  const auto part = makePart("perforated", plate);
+  for (const double yaw : {0.0, 21.0, 48.0}) {
+    const sim::Lie lie{15, -10, 600, yaw, 3};
+    auto candidates = candidatesOf(edgesOf(sceneOf(plate, lie)), *part);
+    ASSERT_GT(candidates.size(), 10u);
+    candidates.resize(10);
+    // The plate looks the same after half a turn, and from behind.
+    double off = 1e9;
+    for (const Candidate& c : candidates)
+      off = std::min(
+          off, (c.T_camera_part.translation() - sim::poseOf(lie).translation()).head<2>().norm());
+    EXPECT_LT(1e3 * off, 0.3 * kPitch) << yaw;
+  }
+}
+
 }  // namespace
 }  // namespace planar_bin_picking
