@@ -8,6 +8,7 @@
 #include "command_line.h"
 
 #include "planar_bin_picking/calibrate/calibration_file.h"
+#include "planar_bin_picking/image/camera_file.h"
 
 #include <filesystem>
 

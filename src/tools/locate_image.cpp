@@ -7,6 +7,7 @@
 #include "base/yaml_text.h"
 #include "command_line.h"
 
+#include "planar_bin_picking/image/camera_file.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "planar_bin_picking/show/overlay.h"
 

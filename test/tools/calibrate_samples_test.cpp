@@ -4,6 +4,7 @@
 // Runs the program on pictures that are drawn here: its exit status and what it writes.
 
 #include "planar_bin_picking/calibrate/calibration_file.h"
+#include "planar_bin_picking/image/camera_file.h"
 #include "sim/board_cell.h"
 #include "support/matchers.h"
 #include "support/temp_dir.h"

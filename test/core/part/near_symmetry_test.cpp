@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "part/near_symmetry.h"
+#include "planar_bin_picking/part/near_symmetry.h"
 
 #include "support/plates.h"
 

@@ -5,7 +5,7 @@
 #include "locate/evidence/inlier_score.h"
 #include "locate/refine/field_alignment.h"
 #include "locate/refine/refiner.h"
-#include "part/part_size.h"
+#include "part/part_extent.h"
 #include "part/visible_face.h"
 
 #include <algorithm>

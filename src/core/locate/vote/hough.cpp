@@ -5,7 +5,7 @@
 #include "base/parallel.h"
 #include "base/plane_pose.h"
 #include "locate/vote/vote_planes.h"
-#include "part/part_size.h"
+#include "part/part_extent.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "part/part_size.h"
+#include "planar_bin_picking/locate/part_size.h"
 
 #include "planar_bin_picking/locate/locator.h"
 #include "support/matchers.h"
@@ -38,14 +38,6 @@ testing::AssertionResult refusedAt(const sim::Plate& plate, double distance_min,
   const auto part = makePart("plate", plate);
   const Camera camera = makeCamera(kPinhole);
   return refuses([&] { checkPartSize(*part, camera, distance_min, distance_max); }, words);
-}
-
-TEST(PartSize, TheExtentIsThatOfTheTightestRectangle) {
-  for (const double turn : {0.0, 30.0, 77.0, 90.0}) {
-    const Extent extent = extentOf(*makePart("bar", bar(80, 12, turn)));
-    EXPECT_NEAR(extent.length, 0.080, 1e-6) << turn;
-    EXPECT_NEAR(extent.width, 0.012, 1e-6) << turn;
-  }
 }
 
 TEST(PartSize, RefusesADrawingInInchesReadAsMillimetres) {
@@ -159,11 +151,5 @@ TEST(PartSize, SmallPartsAreLocated) {
 }
 
 // How near two of them can lie side by side: a bar's width, the radius of a part that is none.
-TEST(PartSize, TheGrainOfASlenderPartIsItsWidth) {
-  EXPECT_NEAR(grainOf(*makePart("bar", slenderPlate())), 0.010, 1e-6);
-  const auto bracket = makePart("bracket", bracketPlate());
-  EXPECT_NEAR(grainOf(*bracket), bracket->radius(), 1e-9);
-}
-
 }  // namespace
 }  // namespace planar_bin_picking
