@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hdr/hdr_node_params.h"
 
+#include "shared/names.h"
+#include "shared/param_reader.h"
+
 #include <cmath>
 #include <stdexcept>
 
@@ -35,6 +38,21 @@ void validate(const HdrNodeParams& params) {
               ", must be at least ~hdr/blind_frames, which is " +
               std::to_string(params.blind_frames));
   planar_bin_picking::validate(params.merge);
+}
+
+HdrNodeParams loadHdrNodeParams(const XmlRpc::XmlRpcValue& tree) {
+  HdrNodeParams params;
+  ParamReader reader(tree, kHdrParams);
+  HdrNodeParams::fields(params, reader);
+  reader.finish();
+  validate(params);
+  return params;
+}
+
+std::string describe(const HdrNodeParams& params) {
+  ParamPrinter printer;
+  HdrNodeParams::fields(params, printer);
+  return printer.text.str();
 }
 
 }  // namespace planar_bin_picking_ros

@@ -10,12 +10,6 @@ namespace planar_bin_picking_ros {
 using planar_bin_picking::LocatorParams;
 using XmlRpc::XmlRpcValue;
 
-XmlRpcValue readTree(const ros::NodeHandle& pnh, const std::string& name) {
-  XmlRpcValue tree;
-  if (!pnh.getParam(name, tree)) tree.begin();  // makes it an empty struct
-  return tree;
-}
-
 LocatorParams loadLocatorParams(const XmlRpcValue& tree) {
   LocatorParams params;
   ParamReader reader(tree, kLocatorParams);
@@ -29,15 +23,6 @@ CellParams loadCellParams(const XmlRpcValue& tree) {
   CellParams params;
   ParamReader reader(tree, kCellParams);
   CellParams::fields(params, reader);
-  reader.finish();
-  validate(params);
-  return params;
-}
-
-HdrNodeParams loadHdrNodeParams(const XmlRpcValue& tree) {
-  HdrNodeParams params;
-  ParamReader reader(tree, kHdrParams);
-  HdrNodeParams::fields(params, reader);
   reader.finish();
   validate(params);
   return params;
@@ -66,12 +51,6 @@ std::string describe(const CellParams& params) {
 std::string describe(const planar_bin_picking::PickParams& params) {
   ParamPrinter printer;
   planar_bin_picking::PickParams::fields(params, printer);
-  return printer.text.str();
-}
-
-std::string describe(const HdrNodeParams& params) {
-  ParamPrinter printer;
-  HdrNodeParams::fields(params, printer);
   return printer.text.str();
 }
 

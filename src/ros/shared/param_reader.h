@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What walks over a parameter struct's list of fields: one fills it from ROS, one prints it.
+/// ROS parameters -> parameter structs, driven by the structs' own lists of fields. A key that no
+/// field has is an error, so that a typing error cannot pass for a default.
 
+#include <ros/node_handle.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <map>
@@ -13,6 +15,9 @@
 #include <vector>
 
 namespace planar_bin_picking_ros {
+
+/// The parameters below `~<name>`; an empty struct where there are none.
+XmlRpc::XmlRpcValue readTree(const ros::NodeHandle& pnh, const std::string& name);
 
 /// Takes values out of a flattened tree; what is left at the end was not known.
 class ParamReader {
