@@ -41,18 +41,11 @@ void validate(const HdrNodeParams& params) {
 }
 
 HdrNodeParams loadHdrNodeParams(const XmlRpc::XmlRpcValue& tree) {
-  HdrNodeParams params;
-  ParamReader reader(tree, kHdrParams);
-  HdrNodeParams::fields(params, reader);
-  reader.finish();
+  HdrNodeParams params = readFields<HdrNodeParams>(tree, kHdrParams);
   validate(params);
   return params;
 }
 
-std::string describe(const HdrNodeParams& params) {
-  ParamPrinter printer;
-  HdrNodeParams::fields(params, printer);
-  return printer.text.str();
-}
+std::string describe(const HdrNodeParams& params) { return printFields(params); }
 
 }  // namespace planar_bin_picking_ros

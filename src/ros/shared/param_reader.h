@@ -127,4 +127,38 @@ struct ParamPrinter {
   }
 };
 
+/// @param tree  as readTree returns it
+/// @param name  of the tree, for messages
+/// @param each  calls a visitor for every field of a Params: each(params, visitor)
+/// @throws std::invalid_argument  unknown key, wrong type or value out of range: key, value,
+/// allowed
+template <class Params, class Each>
+Params readFields(const XmlRpc::XmlRpcValue& tree, const std::string& name, const Each& each) {
+  Params params;
+  ParamReader reader(tree, name);
+  each(params, reader);
+  reader.finish();
+  return params;
+}
+
+template <class Params>
+Params readFields(const XmlRpc::XmlRpcValue& tree, const std::string& name) {
+  return readFields<Params>(tree, name,
+                            [](auto& params, auto& visit) { Params::fields(params, visit); });
+}
+
+/// "key: value" of every field, one a line, for the log at start.
+template <class Params, class Each>
+std::string printFields(const Params& params, const Each& each) {
+  ParamPrinter printer;
+  each(params, printer);
+  return printer.text.str();
+}
+
+template <class Params>
+std::string printFields(const Params& params) {
+  return printFields(params,
+                     [](auto& fields_of, auto& visit) { Params::fields(fields_of, visit); });
+}
+
 }  // namespace planar_bin_picking_ros
