@@ -50,7 +50,8 @@ void addOptions(CLI::App* app, Options* options) {
       ->type_name("P");
   addFile(app, "--camera", &options->camera, true, "the camera's calibration, as ROS writes it");
   addFile(app, "--image", &options->image, true,
-          "the picture: 8 or 16 bit, grey or colour, of the calibrated size");
+          "the picture: 8 or 16 bit, grey or colour, of the calibrated size; it is turned as its "
+          "EXIF data say");
   app->add_option("--distance-min", options->distance_min,
                   "metres along the optical axis to the nearest a part may lie")
       ->required()
@@ -97,15 +98,22 @@ std::vector<PartPtr> loadParts(const std::vector<std::string>& paths) {
   return parts;
 }
 
-/// Any 8- or 16-bit picture as one grey channel.
-cv::Mat loadImage(const std::string& path) {
-  const cv::Mat image = readImage(path, cv::IMREAD_UNCHANGED);
+/// Any 8- or 16-bit picture as one grey channel, as it is shown: a phone stores the pixels as its
+/// sensor has them and says in the EXIF data how they have to be turned.
+cv::Mat loadImage(const std::string& path, const Camera& camera) {
+  const cv::Mat image = readImage(path, cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH);
   if (image.depth() != CV_8U && image.depth() != CV_16U) {
     throw std::runtime_error(path + ": has neither 8 nor 16 bit; save it as PNG");
   }
+  const int width = camera.model().width, height = camera.model().height;
+  if (width != height && image.cols == height && image.rows == width) {
+    throw std::runtime_error(path + ": is shown as " + std::to_string(image.cols) + " x " +
+                             std::to_string(image.rows) + " pixels, the camera info is for " +
+                             std::to_string(width) + " x " + std::to_string(height) +
+                             "; calibrate with pictures that are shown the same way up");
+  }
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  if (image.channels() == 4) cv::cvtColor(image, grey, cv::COLOR_BGRA2GRAY);
   return grey;
 }
 
@@ -218,7 +226,7 @@ int run(const Options& options) {
   request.distance_max = options.distance_max;
   request.face = faceOf(options.face);
   request.max_parts = options.max_parts;
-  const cv::Mat image = loadImage(options.image);
+  const cv::Mat image = loadImage(options.image, camera);
   const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - start;
   const LocateResult result = locator.locate(image, camera, request);
   if (!options.output.empty())
