@@ -7,7 +7,7 @@
 /// Data flows one way and changes its type at every step:
 ///
 ///     cv::Mat -> EdgeMap -> Candidate -> RefinedPose -> ScoredPose -> Detection
-///               edges.h     hough.h      refine.h       score.h       rank.h
+///               edges       vote         refine, prior  judge         judge
 ///
 /// Frames: `part` is the drawing's frame (x right, y up as drawn, z out of the drawn front face,
 /// the body in -thickness <= z <= 0); `camera` is the optical frame (x right, y down, z forward).
@@ -68,13 +68,13 @@ struct RefinedPose {
   Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
   /// Of xi = [translation; rotation] in T <- T * exp(xi) (se3.h), about the centre of the outline.
   Matrix6d covariance = Matrix6d::Zero();
-  double inset = 0.0;  ///< metres by which edges lie inside the drawn outline (bevel), refine.h
+  double inset = 0.0;        ///< metres by which edges lie inside the drawn outline (bevel)
   double residual_px = 0.0;  ///< robust spread of edge minus outline along the outline's normal
 };
 
 /// A refined pose with the evidence for and against it.
 struct ScoredPose : RefinedPose {
-  double score = 0.0;             ///< 0..1, see score.h
+  double score = 0.0;             ///< 0..1, see locate/judge/score.h
   double visible_fraction = 0.0;  ///< share of the visible face's area that nothing covers, 0..1
   std::vector<int> covered;       ///< the cells of PartModel::faceGrid() that something covers
 };

@@ -36,7 +36,7 @@ class PartModel {
   /// Evenly spaced along all loops, loop by loop, in order; prints at the end.
   const std::vector<OutlinePoint>& outline() const { return outline_; }
   const FaceGrid& faceGrid() const { return face_grid_; }
-  const std::vector<Lookalike>& lookalikes() const { return lookalikes_; }
+  const std::vector<NearSymmetry>& nearSymmetries() const { return near_symmetries_; }
   /// Order of the rotations after which the shape is all but the same (a sprocket's teeth): voting
   /// need not tell these apart. 0 = full circle; at least symmetry().order.
   int nearOrder() const { return near_order_; }
@@ -52,7 +52,7 @@ class PartModel {
   std::vector<PickPose> pick_poses_;
   std::vector<OutlinePoint> outline_;
   FaceGrid face_grid_;
-  std::vector<Lookalike> lookalikes_;
+  std::vector<NearSymmetry> near_symmetries_;
   int near_order_ = 1;
 };
 

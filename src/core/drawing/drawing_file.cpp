@@ -147,14 +147,14 @@ void checkOnPart(const Contour& print, const Loop& outer) {
   }
 }
 
-/// The edges of the part alone: without what is drawn twice, marks and crumbs.
+/// The edges of the part alone: without what is drawn twice, marks and slivers.
 std::vector<Stroke> partEdges(EdgeSelection* selection, double tolerance) {
   CleanStrokes clean = cleanStrokes(selection->edges, tolerance);
   const auto leaveOut = [&](const std::string& reason, std::size_t count) {
     if (count > 0) selection->left_out[reason] += count;
   };
   leaveOut("drawn twice", clean.twice);
-  leaveOut("shorter than the join tolerance", clean.crumbs);
+  leaveOut("shorter than the join tolerance", clean.slivers);
   for (const auto& [linetype, count] : dropLooseAnnotation(&clean.strokes, tolerance))
     leaveOut("line type " + linetype, count);
   leaveOut("centre marks", dropCentreMarks(&clean.strokes, tolerance));

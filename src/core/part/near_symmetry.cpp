@@ -119,8 +119,8 @@ bool isExact(const Turn& turn, const Symmetry& symmetry) {
 
 }  // namespace
 
-std::vector<Lookalike> findLookalikes(const OutlineShape& part, double tolerance,
-                                      double share_min) {
+std::vector<NearSymmetry> findNearSymmetries(const OutlineShape& part, double tolerance,
+                                             double share_min) {
   const Symmetry& symmetry = part.symmetry;
   std::vector<Eigen::Vector2d> shape;
   for (const auto& p : part.points) {
@@ -137,7 +137,7 @@ std::vector<Lookalike> findLookalikes(const OutlineShape& part, double tolerance
   std::stable_sort(found.begin(), found.end(),
                    [](const Turn& a, const Turn& b) { return a.share > b.share; });
   const int order = std::max(1, symmetry.order);
-  std::vector<Lookalike> out;
+  std::vector<NearSymmetry> out;
   for (int k = 0; k < order && part.has_print; ++k) {
     const double angle = 2.0 * M_PI * k / order;
     if (k > 0) out.push_back({turned(part, false, angle), false, true, {}, {}});
@@ -146,10 +146,10 @@ std::vector<Lookalike> findLookalikes(const OutlineShape& part, double tolerance
     }
   }
   for (const auto& f : found) {
-    Lookalike other{turned(part, f.flip, f.angle), f.flip, false, {}, {}};
+    NearSymmetry other{turned(part, f.flip, f.angle), f.flip, false, {}, {}};
     const Eigen::Matrix2d there = mapping(f.flip, f.angle), back = there.transpose();
     for (std::size_t i = 0; i < shape.size(); ++i) {  // shape points come first in outline()
-      if (!near(there * shape[i])) other.only_lookalike.push_back(static_cast<int>(i));
+      if (!near(there * shape[i])) other.only_turned.push_back(static_cast<int>(i));
       if (!near(back * shape[i])) other.only_part.push_back(static_cast<int>(i));
     }
     out.push_back(std::move(other));
@@ -157,7 +157,7 @@ std::vector<Lookalike> findLookalikes(const OutlineShape& part, double tolerance
   return out;
 }
 
-int findNearOrder(const OutlineShape& part, const std::vector<Lookalike>& lookalikes,
+int findNearOrder(const OutlineShape& part, const std::vector<NearSymmetry>& near_symmetries,
                   double share_min) {
   const int order = part.symmetry.order;
   if (order == 0) return 0;
@@ -166,10 +166,10 @@ int findNearOrder(const OutlineShape& part, const std::vector<Lookalike>& lookal
   const double shape = static_cast<double>(
       std::count_if(part.points.begin(), part.points.end(),
                     [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; }));
-  for (const auto& other : lookalikes) {
-    if (other.flips || other.exact || other.only_lookalike.size() > (1.0 - share_min) * shape)
+  for (const auto& other : near_symmetries) {
+    if (other.flips || other.exact || other.only_turned.size() > (1.0 - share_min) * shape)
       continue;
-    const Eigen::Matrix3d& R = other.T_part_lookalike.linear();
+    const Eigen::Matrix3d& R = other.T_part_turned.linear();
     angles.push_back(std::fmod(std::atan2(R(1, 0), R(0, 0)) + 2.0 * M_PI, range));
   }
   const auto has = [&](double angle) {

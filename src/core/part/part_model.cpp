@@ -38,8 +38,8 @@ PartModel::PartModel(PartFile file) : file_(checked(std::move(file))), face_grid
   for (const auto& p : loops.front().points) radius_ = std::max(radius_, (p - center_).norm());
   outline_ = sampleOutline(file_.drawing);
   const OutlineShape shape{outline_, symmetry_, radius_, file_.thickness, has_print_};
-  lookalikes_ = findLookalikes(shape);
-  near_order_ = findNearOrder(shape, lookalikes_);
+  near_symmetries_ = findNearSymmetries(shape);
+  near_order_ = findNearOrder(shape, near_symmetries_);
 }
 
 }  // namespace planar_bin_picking

@@ -134,13 +134,13 @@ TEST(PartModel, IsTheSameFarFromTheOrigin) {
     EXPECT_LT((far.outline()[i].normal - near.outline()[i].normal).norm(), 1e-5);
   }
   EXPECT_EQ(far.faceGrid().cells().size(), near.faceGrid().cells().size());
-  ASSERT_EQ(far.lookalikes().size(), near.lookalikes().size());
-  for (std::size_t i = 0; i < far.lookalikes().size(); ++i) {
+  ASSERT_EQ(far.nearSymmetries().size(), near.nearSymmetries().size());
+  for (std::size_t i = 0; i < far.nearSymmetries().size(); ++i) {
     const Eigen::Isometry3d moved = Eigen::Translation3d(off.x(), off.y(), 0.0) *
-                                    near.lookalikes()[i].T_part_lookalike *
+                                    near.nearSymmetries()[i].T_part_turned *
                                     Eigen::Translation3d(-off.x(), -off.y(), 0.0);
     const Eigen::Vector3d p(off.x() + 0.03, off.y(), 0.0);
-    EXPECT_LT((far.lookalikes()[i].T_part_lookalike * p - moved * p).norm(), 1e-5);
+    EXPECT_LT((far.nearSymmetries()[i].T_part_turned * p - moved * p).norm(), 1e-5);
   }
 }
 

@@ -78,7 +78,8 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
     }
     out[i].score = sum / count;
     const FaceGrid& grid = part.faceGrid();
-    out[i].covered = findCover(grid, edges, camera, r.T_camera_part, part.faceZ(r.face), pieces);
+    out[i].covered =
+        findOcclusion(grid, edges, camera, r.T_camera_part, part.faceZ(r.face), pieces);
     out[i].visible_fraction =
         1.0 - static_cast<double>(out[i].covered.size()) / static_cast<double>(grid.cells().size());
   });

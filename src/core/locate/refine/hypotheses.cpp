@@ -22,10 +22,10 @@ constexpr double kTiltUnsure =
     0.03;  // a lead in support that decides nothing about the tilt's sign
 
 /// The pose and its tilt twin as the lookalike's; what the image said was about the pose itself.
-Tracked twinOf(const Tracked& pose, const Lookalike& other) {
+Tracked twinOf(const Tracked& pose, const NearSymmetry& other) {
   Tracked twin = pose;
-  twin.T_camera_part = pose.T_camera_part * other.T_part_lookalike;
-  twin.T_camera_twin = pose.T_camera_twin * other.T_part_lookalike;
+  twin.T_camera_part = pose.T_camera_part * other.T_part_turned;
+  twin.T_camera_twin = pose.T_camera_twin * other.T_part_turned;
   twin.image = {};
   twin.searched = false;
   if (other.flips) twin.face = pose.face == Face::kFront ? Face::kBack : Face::kFront;
@@ -160,12 +160,12 @@ void Refiner::resolveShape(Tracked* pose) const {
   const auto& part = *outlines_[pose->part].part;
   struct Rival {
     double gain;
-    const Lookalike* other;
+    const NearSymmetry* other;
   };
   std::vector<Rival> rivals;
-  for (const auto& other : part.lookalikes()) {
+  for (const auto& other : part.nearSymmetries()) {
     if (other.exact) continue;
-    const double gain = supportInFieldOn(twinOf(*pose, other), part, other.only_lookalike) -
+    const double gain = supportInFieldOn(twinOf(*pose, other), part, other.only_turned) -
                         supportInFieldOn(*pose, part, other.only_part);
     if (gain > kHopeless) rivals.push_back({gain, &other});
   }
@@ -178,7 +178,7 @@ void Refiner::resolveShape(Tracked* pose) const {
     Tracked twin = twinOf(*pose, *other);
     alignNarrow(&twin);
     const double gained =
-        supportOn(twin, part, other->only_lookalike) - supportOn(*pose, part, other->only_part);
+        supportOn(twin, part, other->only_turned) - supportOn(*pose, part, other->only_part);
     if (gained > best_gain) {
       best_gain = gained;
       best = twin;
@@ -206,7 +206,7 @@ void Refiner::resolvePrint(Tracked* pose) const {
     }
   };
   consider(*pose);
-  for (const auto& other : outline.part->lookalikes()) {
+  for (const auto& other : outline.part->nearSymmetries()) {
     if (other.exact) consider(twinOf(*pose, other));
   }
   *pose = print > 0.5 ? front : back;
