@@ -6,8 +6,10 @@
 
 #include "base/yaml_file.h"
 #include "command_line.h"
+#include "read_image.h"
 
 #include "planar_bin_picking/calibrate/calibration_file.h"
+#include "planar_bin_picking/image/camera_file.h"
 
 #include <filesystem>
 
@@ -15,20 +17,6 @@ namespace planar_bin_picking {
 namespace {
 
 const char kName[] = "calibrate_samples";
-const char kUsage[] =
-    "usage: calibrate_samples --board 9x6 --square 0.0236 --mode eye_in_hand|eye_to_hand\n"
-    "                         --samples samples.yaml [--camera-info F] --output DIR\n"
-    "\n"
-    "  --board CxR       inner corners of the checkerboard, along its rows x along its columns\n"
-    "  --square M        side of a square, metres\n"
-    "  --mode MODE       eye_in_hand: the camera is on the flange, the board stands still;\n"
-    "                    eye_to_hand: the camera stands still, the board is on the flange\n"
-    "  --samples F       list of {image: path, position: [x, y, z], orientation: [x, y, z, w]},\n"
-    "                    T_base_flange in metres; paths are relative to this file\n"
-    "  --camera-info F   intrinsics to hold fixed, as ROS writes them; otherwise estimated\n"
-    "  --output DIR      gets calibration.yaml and report.html, and unless the verdict is REFUSED\n"
-    "                    camera_info.yaml and hand_eye.yaml\n";
-
 /// Edges wider than this say that the camera was not in focus, or moved; pixels.
 constexpr double kBlurMax = 5.0;
 
@@ -37,27 +25,38 @@ struct Options {
   double square = 0.0;
 };
 
-/// @return  false where help is asked for
-bool readOptions(const std::vector<std::string>& arguments, Options* options) {
-  const bool wanted = parseOptions(arguments, {{"--board", text(&options->board)},
-                                               {"--square", metres(&options->square)},
-                                               {"--mode", text(&options->mode)},
-                                               {"--samples", text(&options->samples)},
-                                               {"--output", text(&options->output)},
-                                               {"--camera-info", text(&options->camera_info)}});
-  if (!wanted) return false;
-  require(!options->board.empty(), "--board");
-  require(options->square > 0.0, "--square");
-  require(!options->mode.empty(), "--mode");
-  require(!options->samples.empty(), "--samples");
-  require(!options->output.empty(), "--output");
-  return true;
-}
-
-Mounting parseMode(const std::string& text) {
-  if (text == "eye_in_hand") return Mounting::kEyeInHand;
-  if (text == "eye_to_hand") return Mounting::kEyeToHand;
-  throw std::invalid_argument("--mode is \"" + text + "\", must be eye_in_hand or eye_to_hand");
+void addOptions(CLI::App* app, Options* options) {
+  app->add_option("--board", options->board,
+                  "inner corners of the checkerboard, along its rows x along its columns")
+      ->required()
+      ->type_name("CxR");
+  app->add_option("--square", options->square, "side of a square, metres")
+      ->required()
+      ->type_name("M")
+      ->check(wrongMetres);
+  app->add_option("--mode", options->mode,
+                  "eye_in_hand: the camera is on the flange, the board stands still; eye_to_hand: "
+                  "the camera stands still, the board is on the flange")
+      ->required()
+      ->type_name("MODE")
+      ->check(CLI::IsMember({"eye_in_hand", "eye_to_hand"}));
+  app->add_option("--samples", options->samples,
+                  "list of {image: path, position: [x, y, z], orientation: [x, y, z, w]}, "
+                  "T_base_flange in metres; paths are relative to this file")
+      ->required()
+      ->type_name("F")
+      ->check(wrongPath);
+  app->add_option("--camera-info", options->camera_info,
+                  "intrinsics to hold fixed, as ROS writes them; otherwise estimated")
+      ->type_name("F")
+      ->check(wrongPath);
+  app->add_option("--output", options->output,
+                  "gets calibration.yaml and report.html, and unless the verdict is REFUSED "
+                  "camera_info.yaml and hand_eye.yaml")
+      ->required()
+      ->type_name("DIR")
+      ->check(wrongPath);
+  app->footer("Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.");
 }
 
 struct Sample {
@@ -188,14 +187,10 @@ void print(const HandEyeResult& result, const Seen& seen) {
               result.expected_error_deg, result.working_distance);
 }
 
-int run(const std::vector<std::string>& arguments) {
-  Options options;
-  if (!readOptions(arguments, &options)) {
-    std::fputs(kUsage, stdout);
-    return kDone;
-  }
+int run(const Options& options) {
   const Board board = parseBoard(options.board, options.square);
-  const Mounting mounting = parseMode(options.mode);
+  const Mounting mounting =
+      options.mode == "eye_in_hand" ? Mounting::kEyeInHand : Mounting::kEyeToHand;
   const std::vector<Sample> samples = loadSamples(options.samples);
   std::optional<Camera::Model> camera;
   if (!options.camera_info.empty()) camera = loadCamera(options.camera_info).model();
@@ -216,5 +211,8 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   using namespace planar_bin_picking;
-  return runTool(kName, [&] { return run({argv + 1, argv + argc}); });
+  Options options;
+  CLI::App app("Calibrates camera and hand-eye from pictures and robot poses on disk.", kName);
+  addOptions(&app, &options);
+  return runTool(&app, argc, argv, [&] { return run(options); });
 }

@@ -10,35 +10,18 @@
 
 #include <cstdio>
 #include <exception>
-#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace planar_bin_picking {
 namespace {
 
 const char kName[] = "describe_part";
-const char kUsage[] =
-    "usage: describe_part PART [PART ...]\n"
-    "\n"
-    "Prints what is read of each part as YAML, one document each.\n"
-    "\n"
-    "  PART              a part: its .dxf or its .yaml\n"
-    "\n"
-    "Exit status: 0; 2 where a part is refused, which is said on stderr in one line; the others\n"
-    "are described all the same.\n";
 
-int run(const std::vector<std::string>& arguments) {
-  for (const std::string& argument : arguments) {
-    if (isHelp(argument)) {
-      std::fputs(kUsage, stdout);
-      return kDone;
-    }
-    if (argument.size() > 1 && argument[0] == '-')
-      throw std::invalid_argument("unknown option \"" + argument + "\"; see --help");
-  }
-  if (arguments.empty()) throw std::invalid_argument("no part is given; see --help");
+int run(const std::vector<std::string>& paths) {
   int status = kDone;
   bool first = true;
-  for (const std::string& path : arguments) {
+  for (const std::string& path : paths) {
     try {
       const PartModel part(loadPartFile(path));
       std::fputs(((first ? "" : "---\n") + toYaml(describePart(part))).c_str(), stdout);
@@ -55,5 +38,11 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   using namespace planar_bin_picking;
-  return runTool(kName, [&] { return run({argv + 1, argv + argc}); });
+  std::vector<std::string> parts;
+  CLI::App app("Prints what is read of each part as YAML, one document each.", kName);
+  app.add_option("PART", parts, "a part: its .dxf or its .yaml")->required();
+  app.footer(
+      "Exit status: 0; 2 where a part is refused, which is said on stderr in one line; the\n"
+      "others are described all the same.");
+  return runTool(&app, argc, argv, [&] { return run(parts); });
 }

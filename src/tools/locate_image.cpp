@@ -6,7 +6,9 @@
 
 #include "base/yaml_text.h"
 #include "command_line.h"
+#include "read_image.h"
 
+#include "planar_bin_picking/image/camera_file.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "planar_bin_picking/show/overlay.h"
 
@@ -15,7 +17,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -26,24 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const char kName[] = "locate_image";
-const char kUsage[] =
-    "usage: locate_image --part P [--part P2 ...] --camera camera_info.yaml --image I\n"
-    "                    --distance-min M --distance-max M [--face front|back|any]\n"
-    "                    [--max-parts N] [--params F] [--output result.yaml]\n"
-    "                    [--overlay overlay.png]\n"
-    "\n"
-    "  --part P            a part: its .dxf or its .yaml; may be given several times\n"
-    "  --camera F          the camera's calibration, as ROS writes it\n"
-    "  --image F           the picture: 8 or 16 bit, grey or colour, of the calibrated size\n"
-    "  --distance-min M    metres along the optical axis to the nearest a part may lie\n"
-    "  --distance-max M    metres to the farthest: the floor of the bin\n"
-    "  --face FACE         the side that must be up: front (as drawn), back or any; default any\n"
-    "  --max-parts N       no more than the N best; default 0: all\n"
-    "  --params F          parameters over the defaults, as config/locator.yaml\n"
-    "  --output F          writes the result as YAML, metres, camera frame\n"
-    "  --overlay F         writes the picture with the result drawn over it\n"
-    "\n"
-    "Exit status: 0, even if nothing was found; 2, with one line on stderr, on bad input.\n";
 
 constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 
@@ -51,66 +34,58 @@ struct Options {
   std::vector<std::string> parts;
   std::string camera, image, params, output, overlay;
   double distance_min = 0.0, distance_max = 0.0;
-  FaceFilter face = FaceFilter::kAny;
+  std::string face = "any";
   std::size_t max_parts = 0;
 };
 
-void takeFace(const std::string& word, FaceFilter* face) {
-  if (word == "any") {
-    *face = FaceFilter::kAny;
-  } else if (word == "front") {
-    *face = FaceFilter::kFront;
-  } else if (word == "back") {
-    *face = FaceFilter::kBack;
-  } else {
-    throw std::invalid_argument("--face is \"" + word + "\", must be front, back or any");
-  }
+void addFile(CLI::App* app, const std::string& name, std::string* path, bool required,
+             const std::string& what) {
+  app->add_option(name, *path, what)->required(required)->type_name("F")->check(wrongPath);
 }
 
-void takeCount(const std::string& word, std::size_t* count) {
-  const char* end = word.data() + word.size();
-  const auto [after, error] = std::from_chars(word.data(), end, *count);
-  if (error != std::errc() || after != end) {
-    throw std::invalid_argument("--max-parts is \"" + word +
-                                "\", must be a whole number, 0 for all");
-  }
+void addOptions(CLI::App* app, Options* options) {
+  app->add_option("--part", options->parts,
+                  "a part: its .dxf or its .yaml; may be given several times")
+      ->required()
+      ->type_name("P");
+  addFile(app, "--camera", &options->camera, true, "the camera's calibration, as ROS writes it");
+  addFile(app, "--image", &options->image, true,
+          "the picture: 8 or 16 bit, grey or colour, of the calibrated size; it is turned as its "
+          "EXIF data say");
+  app->add_option("--distance-min", options->distance_min,
+                  "metres along the optical axis to the nearest a part may lie")
+      ->required()
+      ->type_name("M")
+      ->check(wrongMetres);
+  app->add_option("--distance-max", options->distance_max,
+                  "metres to the farthest: the floor of the bin")
+      ->required()
+      ->type_name("M")
+      ->check(wrongMetres);
+  app->add_option("--face", options->face,
+                  "the side that must be up: front (as drawn), back or any; default any")
+      ->type_name("FACE")
+      ->check(CLI::IsMember({"front", "back", "any"}));
+  app->add_option("--max-parts", options->max_parts, "no more than the N best; default 0: all")
+      ->type_name("N")
+      ->check(wrongCount);
+  addFile(app, "--params", &options->params, false,
+          "parameters over the defaults, as config/locator.yaml");
+  addFile(app, "--output", &options->output, false,
+          "writes the result as YAML, metres, camera frame");
+  addFile(app, "--overlay", &options->overlay, false,
+          "writes the picture with the result drawn over it");
+  app->footer(
+      "Exit status: 0, even if nothing was found; 2, with one line on stderr, on bad input.");
 }
 
-/// @return  false where help is asked for
-bool readOptions(const std::vector<std::string>& arguments, Options* options) {
-  const auto addPart = [&](const std::string&, const std::string& value) {
-    options->parts.push_back(value);
-  };
-  const auto face = [&](const std::string&, const std::string& value) {
-    takeFace(value, &options->face);
-  };
-  const auto count = [&](const std::string&, const std::string& value) {
-    takeCount(value, &options->max_parts);
-  };
-  const bool wanted = parseOptions(arguments, {{"--part", addPart},
-                                               {"--camera", text(&options->camera)},
-                                               {"--image", text(&options->image)},
-                                               {"--distance-min", metres(&options->distance_min)},
-                                               {"--distance-max", metres(&options->distance_max)},
-                                               {"--face", face},
-                                               {"--max-parts", count},
-                                               {"--params", text(&options->params)},
-                                               {"--output", text(&options->output)},
-                                               {"--overlay", text(&options->overlay)}});
-  if (!wanted) return false;
-  require(!options->parts.empty(), "--part");
-  require(!options->camera.empty(), "--camera");
-  require(!options->image.empty(), "--image");
-  require(options->distance_min > 0.0, "--distance-min");
-  require(options->distance_max > 0.0, "--distance-max");
-  if (options->distance_min > options->distance_max) {
-    throw std::invalid_argument("--distance-min is greater than --distance-max");
-  }
-  return true;
+FaceFilter faceOf(const std::string& word) {
+  if (word == "front") return FaceFilter::kFront;
+  return word == "back" ? FaceFilter::kBack : FaceFilter::kAny;
 }
 
-std::vector<std::shared_ptr<const PartModel>> loadParts(const std::vector<std::string>& paths) {
-  std::vector<std::shared_ptr<const PartModel>> parts;
+std::vector<PartPtr> loadParts(const std::vector<std::string>& paths) {
+  std::vector<PartPtr> parts;
   for (const std::string& path : paths) {
     auto part = std::make_shared<const PartModel>(loadPartFile(path));
     for (const auto& other : parts) {
@@ -123,15 +98,22 @@ std::vector<std::shared_ptr<const PartModel>> loadParts(const std::vector<std::s
   return parts;
 }
 
-/// Any 8- or 16-bit picture as one grey channel.
-cv::Mat loadImage(const std::string& path) {
-  const cv::Mat image = readImage(path, cv::IMREAD_UNCHANGED);
+/// Any 8- or 16-bit picture as one grey channel, as it is shown: a phone stores the pixels as its
+/// sensor has them and says in the EXIF data how they have to be turned.
+cv::Mat loadImage(const std::string& path, const Camera& camera) {
+  const cv::Mat image = readImage(path, cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH);
   if (image.depth() != CV_8U && image.depth() != CV_16U) {
     throw std::runtime_error(path + ": has neither 8 nor 16 bit; save it as PNG");
   }
+  const int width = camera.model().width, height = camera.model().height;
+  if (width != height && image.cols == height && image.rows == width) {
+    throw std::runtime_error(path + ": is shown as " + std::to_string(image.cols) + " x " +
+                             std::to_string(image.rows) + " pixels, the camera info is for " +
+                             std::to_string(width) + " x " + std::to_string(height) +
+                             "; calibrate with pictures that are shown the same way up");
+  }
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  if (image.channels() == 4) cv::cvtColor(image, grey, cv::COLOR_BGRA2GRAY);
   return grey;
 }
 
@@ -229,11 +211,9 @@ void checkResults(const Options& options) {
   }
 }
 
-int run(const std::vector<std::string>& arguments) {
-  Options options;
-  if (!readOptions(arguments, &options)) {
-    std::fputs(kUsage, stdout);
-    return kDone;
+int run(const Options& options) {
+  if (options.distance_min > options.distance_max) {
+    throw std::invalid_argument("--distance-min is greater than --distance-max");
   }
   checkResults(options);
   const auto start = std::chrono::steady_clock::now();
@@ -244,9 +224,9 @@ int run(const std::vector<std::string>& arguments) {
   request.parts = loadParts(options.parts);
   request.distance_min = options.distance_min;
   request.distance_max = options.distance_max;
-  request.face = options.face;
+  request.face = faceOf(options.face);
   request.max_parts = options.max_parts;
-  const cv::Mat image = loadImage(options.image);
+  const cv::Mat image = loadImage(options.image, camera);
   const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - start;
   const LocateResult result = locator.locate(image, camera, request);
   if (!options.output.empty())
@@ -266,5 +246,8 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   using namespace planar_bin_picking;
-  return runTool(kName, [&] { return run({argv + 1, argv + argc}); });
+  Options options;
+  CLI::App app("Locates parts in one picture on disk.", kName);
+  addOptions(&app, &options);
+  return runTool(&app, argc, argv, [&] { return run(options); });
 }

@@ -6,6 +6,7 @@
 /// correct detections, the mean squared error normalised by its covariance (1 per dimension is
 /// honest), the mean absolute error of the visible fraction, and precision and recall by threshold.
 
+#include "planar_bin_picking/image/camera_file.h"
 #include "planar_bin_picking/locate/locator.h"
 
 #include <yaml-cpp/yaml.h>

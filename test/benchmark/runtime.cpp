@@ -5,6 +5,7 @@
 /// OpenCV's Scharr and LSD on the same image in the same run; then how the whole grows with pixels,
 /// threads, distance range and parts. Drawings given are the parts that are loaded besides.
 
+#include "planar_bin_picking/image/camera_file.h"
 #include "planar_bin_picking/locate/locator.h"
 
 #include <opencv2/imgcodecs.hpp>

@@ -5,7 +5,7 @@
 /// What the tests of drawings share: they write a DXF file as text, read it and look at its loops.
 
 #include "base/polygon.h"
-#include "planar_bin_picking/drawing/drawing.h"
+#include "planar_bin_picking/drawing/drawing_file.h"
 #include "support/dxf_writer.h"
 #include "support/matchers.h"
 #include "support/temp_dir.h"

@@ -78,7 +78,7 @@ class Readme(unittest.TestCase):
         self.assertEqual(set(self.rows("key")), part_keys(PACKAGE))
 
     def test_default_layers_are_those_of_the_code(self):
-        header = (PACKAGE / "include/planar_bin_picking/drawing.h").read_text()
+        header = (PACKAGE / "include/planar_bin_picking/drawing/drawing.h").read_text()
         for name in ("skip_layers", "print_layers"):
             patterns = [pattern.encode().decode("unicode_escape") for pattern in
                         re.findall(r'"([^"]+)"', re.search(name + r" = \{([^}]*)\}", header)[1])]

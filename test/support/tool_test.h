@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -47,6 +48,18 @@ class ToolTest : public testing::Test {
     for (const std::string& word : words) good = good && error_.find(word) != std::string::npos;
     return (good ? testing::AssertionSuccess() : testing::AssertionFailure())
            << "status " << status << ", says: " << error_;
+  }
+
+  /// With any option, it prints its name and the package's version.
+  testing::AssertionResult printsItsVersion(const std::string& arguments) {
+    const std::string package = read(std::string(PACKAGE_DIR) + "/package.xml");
+    const std::size_t begin = package.find("<version>") + 9;
+    const std::string version = package.substr(begin, package.find("</version>") - begin);
+    const std::string name = std::filesystem::path(program_).filename().string();
+    const int status = run(arguments + " --version");
+    const bool good = status == 0 && out_ == name + " " + version + "\n" && error_.empty();
+    return (good ? testing::AssertionSuccess() : testing::AssertionFailure())
+           << "status " << status << ", says: " << out_ << error_;
   }
 
   TempDir dir_;

@@ -4,6 +4,7 @@
 // Runs the program on pictures that are drawn here: its exit status and what it writes.
 
 #include "planar_bin_picking/calibrate/calibration_file.h"
+#include "planar_bin_picking/image/camera_file.h"
 #include "sim/board_cell.h"
 #include "support/matchers.h"
 #include "support/temp_dir.h"
@@ -147,8 +148,8 @@ TEST_F(CalibrateSamples, RefusesBadInputInOneLine) {
   EXPECT_TRUE(refused(run("9-6", "0.02", inHand()), {"9-6", "9x6"}));
   EXPECT_TRUE(
       refused(run("9x6", "0.02", "--mode on_foot --samples x"), {"on_foot", "eye_in_hand"}));
-  EXPECT_TRUE(refused(run("9x6", "0.02", "--mode eye_in_hand"), {"--samples", "missing"}));
-  EXPECT_TRUE(refused(run("9x6", "0.02", "--colour red"), {"--colour"}));
+  EXPECT_TRUE(refused(run("9x6", "0.02", "--mode eye_in_hand"), {"--samples", "required"}));
+  EXPECT_TRUE(refused(run("9x6", "0.02", inHand() + " --colour red"), {"--colour"}));
   EXPECT_TRUE(
       refused(run("9x6", "0.02", inHand("absent.yaml")), {"absent.yaml", "cannot be read"}));
   const auto samples = [](const std::string& text) {

@@ -102,10 +102,11 @@ TEST_F(DescribePart, DescribesTheOthersWhereOneIsRefused) {
 }
 
 TEST_F(DescribePart, PrintsItsUsageAndRefusesWrongArguments) {
+  EXPECT_TRUE(printsItsVersion(""));
   EXPECT_EQ(run("--help"), 0);
-  EXPECT_NE(out_.find("describe_part PART"), std::string::npos);
-  EXPECT_TRUE(refused("", {"no part", "--help"}));
-  EXPECT_TRUE(refused("--parts x", {"unknown option", "--parts"}));
+  EXPECT_NE(out_.find("PART"), std::string::npos);
+  EXPECT_TRUE(refused("", {"PART is required", "--help"}));
+  EXPECT_TRUE(refused("--parts x", {"not expected", "--parts"}));
   EXPECT_TRUE(refused("\"\"", {"path of a part is empty"}));
 }
 

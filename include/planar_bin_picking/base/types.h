@@ -74,7 +74,7 @@ struct RefinedPose {
 
 /// A refined pose with the evidence for and against it.
 struct ScoredPose : RefinedPose {
-  double score = 0.0;             ///< 0..1, see score.h
+  double score = 0.0;             ///< 0..1, see locate/judge/score.h
   double print = 0.0;             ///< share of the print in view that is borne out, 0..1
   double visible_fraction = 0.0;  ///< share of the visible face's area that nothing covers, 0..1
   std::vector<int> covered;       ///< the cells of PartModel::faceGrid() that something covers

@@ -49,8 +49,4 @@ class Camera {
 /// @throws std::invalid_argument  not [fx, 0, cx, 0, fy, cy, 0, 0, 1], such as one with a skew
 Camera::Model pinholeModel(int width, int height, const std::array<double, 9>& K);
 
-/// Reads a camera_info YAML file in the ROS format.
-/// @throws std::runtime_error  naming file and key
-Camera loadCamera(const std::string& path);
-
 }  // namespace planar_bin_picking

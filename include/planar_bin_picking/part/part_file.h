@@ -5,6 +5,7 @@
 /// A part as its user describes it: a drawing, and optionally a few lines of YAML beside it.
 
 #include "planar_bin_picking/drawing/drawing.h"
+#include "planar_bin_picking/part/pick_poses.h"
 
 #include <optional>
 #include <stdexcept>
@@ -12,21 +13,6 @@
 #include <vector>
 
 namespace planar_bin_picking {
-
-/// Where the robot's tool goes, relative to the part; its z points into the part.
-struct PickPose {
-  std::string name;
-  FaceFilter face = FaceFilter::kAny;  ///< the face that must be up for it
-  Eigen::Isometry3d T_part_pick = Eigen::Isometry3d::Identity();
-  bool symmetric = true;  ///< where the part looks the same after a turn, it can go there, too
-};
-
-/// The tool that picks a part, as a cylinder about the pick pose's z. Where nothing is said,
-/// PickParams says it.
-struct PickTool {
-  std::optional<double> radius;  ///< metres
-  std::optional<double> height;  ///< metres over the contact; what is above it is free; 0 = no end
-};
 
 /// Everything a user said about a part.
 struct PartFile {

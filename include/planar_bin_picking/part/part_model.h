@@ -8,33 +8,16 @@
 #include "planar_bin_picking/base/types.h"
 #include "planar_bin_picking/drawing/symmetry.h"
 #include "planar_bin_picking/part/face_grid.h"
+#include "planar_bin_picking/part/near_symmetry.h"
+#include "planar_bin_picking/part/outline.h"
 #include "planar_bin_picking/part/part_file.h"
 #include "planar_bin_picking/part/pick_poses.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace planar_bin_picking {
-
-/// One point of the outline, in the part frame's x and y.
-struct OutlinePoint {
-  Eigen::Vector2d position;  ///< metres
-  Eigen::Vector2d normal;    ///< unit, out of the material (for a print: to the right of the line)
-  int loop = 0;              ///< index into Drawing::loops
-  LoopKind kind = LoopKind::kOuter;
-};
-
-/// A turn of the part (also upside down) after which most of its outline lies on itself again: a
-/// sprocket's other teeth, a plate's other way round, the face that only a print tells from the
-/// other. A pose that was found could as well be any of these.
-struct NearSymmetry {
-  Eigen::Isometry3d T_part_other = Eigen::Isometry3d::Identity();
-  bool flips = false;  ///< shows the other face
-  bool exact = false;  ///< the shape is symmetric; only the print differs
-  /// Shape points (indices into outline()) of the lookalike that lie off the part's own outline,
-  /// and the reverse: only these can tell the two apart.
-  std::vector<int> only_other, only_part;
-};
 
 class PartModel {
  public:
@@ -72,5 +55,7 @@ class PartModel {
   std::vector<NearSymmetry> near_symmetries_;
   int near_order_ = 1;
 };
+
+using PartPtr = std::shared_ptr<const PartModel>;
 
 }  // namespace planar_bin_picking

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/edge_selection.h"
 
+#include "drawing/dxf/dxf_names.h"
+
 #include <algorithm>
 #include <set>
 #include <stdexcept>

@@ -6,7 +6,7 @@
 /// what is not.
 
 #include "drawing/contours.h"
-#include "drawing/dxf/dxf_reader.h"
+#include "drawing/dxf/dxf_file.h"
 #include "drawing/dxf/line_types.h"
 #include "planar_bin_picking/drawing/drawing.h"
 

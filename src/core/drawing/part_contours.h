@@ -5,7 +5,6 @@
 /// Contours as they were chained -> the loops of one part. Lengths in mm.
 
 #include "drawing/contours.h"
-#include "drawing/edge_selection.h"
 #include "planar_bin_picking/drawing/drawing.h"
 
 #include <Eigen/Geometry>
@@ -30,13 +29,5 @@ void checkSize(const std::vector<Contour>& contours);
 /// The outer contour first, the holes after it in their order.
 /// @throws std::runtime_error  several outer contours, or contours in holes
 std::vector<Loop> classify(const std::vector<Contour>& contours);
-
-/// Whether a rule of the default list took the part's outline or its holes away.
-/// @param contours  of what is read as edges, closed, that do not cross
-/// @param warnings  gets what was left out and might have been a hole, or a frame
-/// @throws std::runtime_error  a closed contour around all edges was left out that may be the
-/// outline
-void checkPassedOver(const EdgeSelection& selection, const std::vector<Contour>& contours,
-                     double tolerance, std::vector<std::string>* warnings);
 
 }  // namespace planar_bin_picking

@@ -1,6 +1,9 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drawing/passed_over.h"
+
 #include "base/polygon.h"
+#include "drawing/dxf/dxf_names.h"
 #include "drawing/part_contours.h"
 #include "drawing/strokes.h"
 

@@ -80,12 +80,12 @@ void dropPoints(CleanStrokes* clean) {
   for (Stroke& stroke : clean->strokes) {
     if (lengthOf(stroke.points) > kExactMm) lines.push_back(std::move(stroke));
   }
-  clean->crumbs += clean->strokes.size() - lines.size();
+  clean->slivers += clean->strokes.size() - lines.size();
   clean->strokes = std::move(lines);
 }
 
 /// Drops strokes shorter than the tolerance that no contour runs through.
-void dropCrumbs(double tolerance, CleanStrokes* clean) {
+void dropSlivers(double tolerance, CleanStrokes* clean) {
   std::vector<Stroke>& lines = clean->strokes;
   std::vector<Stroke> kept;
   const Joints joints(lines, kExactMm);
@@ -95,7 +95,7 @@ void dropCrumbs(double tolerance, CleanStrokes* clean) {
     const bool through = first.size() == 2 && last.size() == 2 && first != last;
     if (through || lengthOf(lines[i].points) > tolerance) kept.push_back(std::move(lines[i]));
   }
-  clean->crumbs += before - kept.size();
+  clean->slivers += before - kept.size();
   clean->strokes = std::move(kept);
 }
 
@@ -274,7 +274,7 @@ void cutOverlaps(double tolerance, CleanStrokes* clean) {
   }
   clean->strokes = std::move(pieces);
   dropDuplicates(tolerance, clean);
-  dropCrumbs(tolerance, clean);
+  dropSlivers(tolerance, clean);
 }
 
 }  // namespace
@@ -283,7 +283,7 @@ CleanStrokes cleanStrokes(const std::vector<Stroke>& strokes, double tolerance) 
   CleanStrokes clean{strokes, 0, 0};
   dropPoints(&clean);
   dropDuplicates(tolerance, &clean);
-  dropCrumbs(tolerance, &clean);
+  dropSlivers(tolerance, &clean);
   cutOverlaps(tolerance, &clean);
   return clean;
 }

@@ -3,7 +3,7 @@
 #include "locate/answer_request.h"
 
 #include "part/outline_view.h"
-#include "part/part_size.h"
+#include "part/part_extent.h"
 #include "part/visible_face.h"
 #include "planar_bin_picking/base/se3.h"
 
@@ -86,15 +86,6 @@ std::optional<std::string> outside(const Detection& d, const PartModel& part, do
 }
 
 }  // namespace
-
-double distanceMargin(const Detection& detection, double depth) {
-  constexpr double kLeast = 0.002;  // metres: as well as such distances are measured
-  constexpr double kMostShare = 0.02;
-  const Eigen::Vector3d ray = detection.T_camera_part.linear().row(2);
-  const double variance = ray.dot(detection.covariance.topLeftCorner<3, 3>() * ray);
-  const double margin = kSigmas * std::sqrt(std::max(0.0, variance));
-  return std::clamp(margin, kLeast, std::max(kLeast, kMostShare * depth));
-}
 
 Detection turnedOver(const Detection& detection, const PartModel& part) {
   const Eigen::Isometry3d T_part_turned = turnOver(part);

@@ -4,7 +4,8 @@
 
 /// Last step: what of the ranked list answers the request.
 
-#include "planar_bin_picking/locate/locator.h"
+#include "planar_bin_picking/image/camera.h"
+#include "planar_bin_picking/locate/locate_request.h"
 
 #include <vector>
 

@@ -17,8 +17,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <locale>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -81,20 +79,6 @@ void dropContradictions(const std::vector<std::shared_ptr<const PartModel>>& par
 }
 
 }  // namespace
-
-void checkDistances(double distance_min, double distance_max) {
-  // Written so that what is not a number is refused, too.
-  const bool good = distance_min >= kDistanceLeast && distance_max <= kDistanceMost &&
-                    distance_max >= distance_min &&
-                    distance_max <= kDistanceRatioMost * distance_min;
-  if (good) return;
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text << "distances " << distance_min << " .. " << distance_max << " m; they must satisfy "
-       << kDistanceLeast << " <= min <= max <= " << kDistanceMost
-       << " and max <= " << kDistanceRatioMost << " min";
-  refuse(text.str());
-}
 
 Locator::Locator(const LocatorParams& params) : params_(params) {
   validate(params_);

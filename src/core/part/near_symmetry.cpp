@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "part/near_symmetry.h"
+#include "planar_bin_picking/part/near_symmetry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,8 +55,9 @@ Eigen::Matrix2d mapping(bool flip, double angle) {
          Eigen::Vector2d(1.0, flip ? -1.0 : 1.0).asDiagonal();
 }
 
-Eigen::Isometry3d turned(const PartModel& part, const Eigen::Vector2d& c, bool flip, double angle) {
-  const Eigen::Translation3d centre(c.x(), c.y(), -0.5 * part.thickness());
+Eigen::Isometry3d turned(const OutlineShape& part, bool flip, double angle) {
+  const Eigen::Vector2d& c = part.symmetry.center;
+  const Eigen::Translation3d centre(c.x(), c.y(), -0.5 * part.thickness);
   // A turn by pi about the in-plane axis at angle / 2 mirrors the outline about that axis.
   const Eigen::AngleAxisd turn =
       flip ? Eigen::AngleAxisd(M_PI, Eigen::Vector3d(std::cos(angle / 2), std::sin(angle / 2), 0))
@@ -118,13 +119,13 @@ bool isExact(const Turn& turn, const Symmetry& symmetry) {
 
 }  // namespace
 
-std::vector<NearSymmetry> findNearSymmetries(const PartModel& part, double tolerance,
+std::vector<NearSymmetry> findNearSymmetries(const OutlineShape& part, double tolerance,
                                              double share_min) {
-  const Symmetry& symmetry = part.symmetry();
+  const Symmetry& symmetry = part.symmetry;
   std::vector<Eigen::Vector2d> shape;
-  for (const auto& p : part.outline()) {
+  for (const auto& p : part.points) {
     if (p.kind != LoopKind::kPrint) {
-      shape.push_back((p.position - symmetry.center) / part.radius());
+      shape.push_back((p.position - symmetry.center) / part.radius);
     }
   }
   const NearOutline near(shape, tolerance);
@@ -137,22 +138,18 @@ std::vector<NearSymmetry> findNearSymmetries(const PartModel& part, double toler
                    [](const Turn& a, const Turn& b) { return a.share > b.share; });
   const int order = std::max(1, symmetry.order);
   std::vector<NearSymmetry> out;
-  for (int k = 0; k < order && part.hasPrint(); ++k) {
+  for (int k = 0; k < order && part.has_print; ++k) {
     const double angle = 2.0 * M_PI * k / order;
-    if (k > 0) out.push_back({turned(part, symmetry.center, false, angle), false, true, {}, {}});
+    if (k > 0) out.push_back({turned(part, false, angle), false, true, {}, {}});
     if (symmetry.mirror) {
-      out.push_back({turned(part, symmetry.center, true, 2.0 * symmetry.mirror_axis + angle),
-                     true,
-                     true,
-                     {},
-                     {}});
+      out.push_back({turned(part, true, 2.0 * symmetry.mirror_axis + angle), true, true, {}, {}});
     }
   }
   for (const auto& f : found) {
-    NearSymmetry other{turned(part, symmetry.center, f.flip, f.angle), f.flip, false, {}, {}};
+    NearSymmetry other{turned(part, f.flip, f.angle), f.flip, false, {}, {}};
     const Eigen::Matrix2d there = mapping(f.flip, f.angle), back = there.transpose();
     for (std::size_t i = 0; i < shape.size(); ++i) {  // shape points come first in outline()
-      if (!near(there * shape[i])) other.only_other.push_back(static_cast<int>(i));
+      if (!near(there * shape[i])) other.only_turned.push_back(static_cast<int>(i));
       if (!near(back * shape[i])) other.only_part.push_back(static_cast<int>(i));
     }
     out.push_back(std::move(other));
@@ -160,17 +157,19 @@ std::vector<NearSymmetry> findNearSymmetries(const PartModel& part, double toler
   return out;
 }
 
-int findNearOrder(const PartModel& part, double share_min) {
-  const int order = part.symmetry().order;
+int findNearOrder(const OutlineShape& part, const std::vector<NearSymmetry>& near_symmetries,
+                  double share_min) {
+  const int order = part.symmetry.order;
   if (order == 0) return 0;
   const double range = 2.0 * M_PI / order;
   std::vector<double> angles;  // of the turns that all but keep the shape, in (0, range)
   const double shape = static_cast<double>(
-      std::count_if(part.outline().begin(), part.outline().end(),
+      std::count_if(part.points.begin(), part.points.end(),
                     [](const OutlinePoint& p) { return p.kind != LoopKind::kPrint; }));
-  for (const auto& other : part.nearSymmetries()) {
-    if (other.flips || other.exact || other.only_other.size() > (1.0 - share_min) * shape) continue;
-    const Eigen::Matrix3d& R = other.T_part_other.linear();
+  for (const auto& other : near_symmetries) {
+    if (other.flips || other.exact || other.only_turned.size() > (1.0 - share_min) * shape)
+      continue;
+    const Eigen::Matrix3d& R = other.T_part_turned.linear();
     angles.push_back(std::fmod(std::atan2(R(1, 0), R(0, 0)) + 2.0 * M_PI, range));
   }
   const auto has = [&](double angle) {

@@ -4,6 +4,7 @@
 
 #include "base/yaml_file.h"
 #include "part/pick_check.h"
+#include "planar_bin_picking/drawing/drawing_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -214,7 +215,7 @@ PartFile loadYamlPart(const fs::path& path) {
   refuseMissing(drawing_path, name + ": drawing " + drawing_path.string(),
                 "the path is relative to this file");
   part.drawing = loadDrawing(drawing_path.string(), params);
-  part.warnings = pickWarnings(part);
+  part.warnings = pickWarnings(part.pick_poses, part.tool, part.drawing, part.thickness);
   return part;
 }
 

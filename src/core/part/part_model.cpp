@@ -2,37 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/part/part_model.h"
 
-#include "part/near_symmetry.h"
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 namespace planar_bin_picking {
 namespace {
-
-constexpr double kSamples =
-    512.0;  // along the whole outline: a sample every 1 to 2 mm ([1] Sec. II-B)
-constexpr int kMinSamplesPerLoop = 12;
-
-/// Samples at the middle of `count` equal pieces of the loop.
-void sampleLoop(const Loop& loop, int index, double spacing, std::vector<OutlinePoint>* out) {
-  const double length = lengthOf(loop);
-  const int count = std::max(kMinSamplesPerLoop, static_cast<int>(std::lround(length / spacing)));
-  const double step = length / count;
-  double next = 0.5 * step, walked = 0.0;
-  const std::size_t n = loop.points.size();
-  for (std::size_t i = 0; i + (loop.closed ? 0 : 1) < n; ++i) {
-    const Eigen::Vector2d a = loop.points[i], d = loop.points[(i + 1) % n] - a;
-    const double piece = d.norm();
-    if (piece <= 0.0) continue;
-    for (; next <= walked + piece && next < length; next += step) {
-      out->push_back({a + d * ((next - walked) / piece), Eigen::Vector2d(d.y(), -d.x()) / piece,
-                      index, loop.kind});
-    }
-    walked += piece;
-  }
-}
 
 PartFile checked(PartFile file) {
   const auto& loops = file.drawing.loops;
@@ -59,17 +34,12 @@ PartModel::PartModel(PartFile file) : file_(checked(std::move(file))), face_grid
   Eigen::AlignedBox2d box;
   for (const auto& p : loops.front().points) box.extend(p);
   center_ = box.center();
-  double length = 0.0;
-  for (const auto& loop : loops) {
-    has_print_ = has_print_ || loop.kind == LoopKind::kPrint;
-    if (loop.kind != LoopKind::kPrint) length += lengthOf(loop);
-  }
+  for (const auto& loop : loops) has_print_ = has_print_ || loop.kind == LoopKind::kPrint;
   for (const auto& p : loops.front().points) radius_ = std::max(radius_, (p - center_).norm());
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    sampleLoop(loops[i], static_cast<int>(i), length / kSamples, &outline_);
-  }
-  near_symmetries_ = findNearSymmetries(*this);
-  near_order_ = findNearOrder(*this);
+  outline_ = sampleOutline(file_.drawing);
+  const OutlineShape shape{outline_, symmetry_, radius_, file_.thickness, has_print_};
+  near_symmetries_ = findNearSymmetries(shape);
+  near_order_ = findNearOrder(shape, near_symmetries_);
 }
 
 }  // namespace planar_bin_picking

@@ -96,20 +96,21 @@ std::string wrongDirection(const PickPose& pose) {
   return "";
 }
 
-std::vector<std::string> pickWarnings(const PartFile& part) {
+std::vector<std::string> pickWarnings(const std::vector<PickPose>& poses, const PickTool& tool,
+                                      const Drawing& drawing, double thickness) {
   std::vector<std::string> warnings;
-  for (const PickPose& pose : part.pick_poses) {
+  for (const PickPose& pose : poses) {
     for (const Face face : {Face::kFront, Face::kBack}) {
       if (!appliesTo(pose, face)) continue;
-      const double face_z = face == Face::kFront ? 0.0 : -part.thickness;
+      const double face_z = face == Face::kFront ? 0.0 : -thickness;
       const Eigen::Vector2d contact = contactOf(pose, face_z);
       const std::string what = "pick pose " + pose.name;
-      const std::string wrong = wrongContact(part.drawing, contact, part.tool.radius.value_or(0.0));
+      const std::string wrong = wrongContact(drawing, contact, tool.radius.value_or(0.0));
       if (!wrong.empty())
         warnings.push_back(what + ": its contact at " + inMm(contact) + " " + wrong);
       // A gripper goes in between the faces; through the part nothing goes.
       const double depth = depthOf(pose, face, face_z);
-      if (part.thickness > 0.0 && depth > 0.99 * part.thickness) {
+      if (thickness > 0.0 && depth > 0.99 * thickness) {
         warnings.push_back(what + ": lies " + yamlNumber(1e3 * depth, 1) + " mm below the " +
                            nameOf(face) + ", on the far face of the part or beyond it; the " +
                            nameOf(face) + " is at z = " + yamlNumber(1e3 * face_z, 1) + " mm");

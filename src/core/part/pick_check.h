@@ -5,7 +5,8 @@
 /// Whether a pick pose can be what its user meant: a sign or a unit that is wrong sends the tool
 /// the wrong way.
 
-#include "planar_bin_picking/part/part_file.h"
+#include "planar_bin_picking/drawing/drawing.h"
+#include "planar_bin_picking/part/pick_poses.h"
 
 #include <string>
 #include <vector>
@@ -16,7 +17,9 @@ namespace planar_bin_picking {
 ///          for every face that the pose applies to
 std::string wrongDirection(const PickPose& pose);
 
+/// @param thickness  of the part, metres; 0 where unknown
 /// @return  about poses that touch nothing but air, or more than the part has there
-std::vector<std::string> pickWarnings(const PartFile& part);
+std::vector<std::string> pickWarnings(const std::vector<PickPose>& poses, const PickTool& tool,
+                                      const Drawing& drawing, double thickness);
 
 }  // namespace planar_bin_picking

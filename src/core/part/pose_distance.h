@@ -11,8 +11,8 @@
 namespace planar_bin_picking {
 
 /// Largest distance, in radii of the part and across the line of sight, between the same points of
-/// two poses of the same face; modulo the outline's rotation symmetry and its lookalikes. Depth
-/// counts a quarter.
+/// two poses of the same face; modulo the outline's rotation symmetry and its near-symmetries.
+/// Depth counts a quarter.
 inline double poseDistance(const PartModel& part, const Eigen::Isometry3d& T_camera_a,
                            const Eigen::Isometry3d& T_camera_b, Face face) {
   const auto& symmetry = part.symmetry();
@@ -41,7 +41,7 @@ inline double poseDistance(const PartModel& part, const Eigen::Isometry3d& T_cam
     best = std::min(best, turned(S.toRotationMatrix()));
   }
   for (const auto& other : part.nearSymmetries()) {
-    if (!other.flips) best = std::min(best, turned(other.T_part_other.linear()));
+    if (!other.flips) best = std::min(best, turned(other.T_part_turned.linear()));
   }
   return best;
 }

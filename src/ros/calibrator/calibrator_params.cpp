@@ -30,18 +30,11 @@ void validate(const CalibratorParams& params) {
 }
 
 CalibratorParams loadCalibratorParams(const XmlRpc::XmlRpcValue& tree) {
-  CalibratorParams params;
-  ParamReader reader(tree, kCalibratorParams);
-  CalibratorParams::fields(params, reader);
-  reader.finish();
+  CalibratorParams params = readFields<CalibratorParams>(tree, kCalibratorParams);
   validate(params);
   return params;
 }
 
-std::string describe(const CalibratorParams& params) {
-  ParamPrinter printer;
-  CalibratorParams::fields(params, printer);
-  return printer.text.str();
-}
+std::string describe(const CalibratorParams& params) { return printFields(params); }
 
 }  // namespace planar_bin_picking_ros

@@ -69,7 +69,7 @@ struct CalibratorParams {
 /// @throws std::invalid_argument  naming the key, its value and what it must be
 void validate(const CalibratorParams& params);
 
-/// As the loaders of load_params.h, which the locator links without the calibrator's library.
+/// @param tree  as readTree returns it
 CalibratorParams loadCalibratorParams(const XmlRpc::XmlRpcValue& tree);
 std::string describe(const CalibratorParams& params);
 

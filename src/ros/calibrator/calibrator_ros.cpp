@@ -4,9 +4,10 @@
 
 #include "calibrator/calibrator_checks.h"
 #include "calibrator/plan_markers.h"
-#include "locator/load_params.h"
 #include "shared/convert.h"
+#include "shared/convert_camera.h"
 #include "shared/names.h"
+#include "shared/param_reader.h"
 #include "shared/transforms.h"
 
 #include <ros/console.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hdr/bracket.h"
 
-#include "shared/convert.h"
+#include "shared/convert_camera.h"
 
 #include <algorithm>
 #include <chrono>

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hdr/hdr_node_params.h"
 
+#include "shared/names.h"
+#include "shared/param_reader.h"
+
 #include <cmath>
 #include <stdexcept>
 
@@ -36,5 +39,13 @@ void validate(const HdrNodeParams& params) {
               std::to_string(params.blind_frames));
   planar_bin_picking::validate(params.merge);
 }
+
+HdrNodeParams loadHdrNodeParams(const XmlRpc::XmlRpcValue& tree) {
+  HdrNodeParams params = readFields<HdrNodeParams>(tree, kHdrParams);
+  validate(params);
+  return params;
+}
+
+std::string describe(const HdrNodeParams& params) { return printFields(params); }
 
 }  // namespace planar_bin_picking_ros

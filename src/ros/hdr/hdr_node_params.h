@@ -7,6 +7,8 @@
 
 #include "planar_bin_picking/image/hdr.h"
 
+#include <xmlrpcpp/XmlRpcValue.h>
+
 #include <string>
 #include <vector>
 
@@ -61,5 +63,13 @@ struct HdrNodeParams {
 /// @throws std::invalid_argument  naming the key: fewer than two exposures, one that is not
 ///         positive, a service without single_ms, fewer triggers than blind frames
 void validate(const HdrNodeParams& params);
+
+/// @param tree  as readTree returns it
+/// @throws std::invalid_argument  unknown key, wrong type or value out of range: key, value,
+/// allowed; or as validate
+HdrNodeParams loadHdrNodeParams(const XmlRpc::XmlRpcValue& tree);
+
+/// "key: value" of every field, one a line, for the log at start.
+std::string describe(const HdrNodeParams& params);
 
 }  // namespace planar_bin_picking_ros

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hdr/hdr_ros.h"
 
-#include "locator/load_params.h"
-#include "shared/convert.h"
+#include "shared/convert_camera.h"
 #include "shared/names.h"
+#include "shared/param_reader.h"
 #include "shared/timed_call.h"
 
 #include <cv_bridge/cv_bridge.h>

@@ -10,69 +10,34 @@ namespace planar_bin_picking_ros {
 using planar_bin_picking::LocatorParams;
 using XmlRpc::XmlRpcValue;
 
-XmlRpcValue readTree(const ros::NodeHandle& pnh, const std::string& name) {
-  XmlRpcValue tree;
-  if (!pnh.getParam(name, tree)) tree.begin();  // makes it an empty struct
-  return tree;
-}
+namespace {
+
+const auto kEachField = [](auto& params, auto& visit) {
+  planar_bin_picking::forEachField(params, visit);
+};
+
+}  // namespace
 
 LocatorParams loadLocatorParams(const XmlRpcValue& tree) {
-  LocatorParams params;
-  ParamReader reader(tree, kLocatorParams);
-  planar_bin_picking::forEachField(params, reader);
-  reader.finish();
+  const LocatorParams params = readFields<LocatorParams>(tree, kLocatorParams, kEachField);
   planar_bin_picking::validate(params);
   return params;
 }
 
 CellParams loadCellParams(const XmlRpcValue& tree) {
-  CellParams params;
-  ParamReader reader(tree, kCellParams);
-  CellParams::fields(params, reader);
-  reader.finish();
-  validate(params);
-  return params;
-}
-
-HdrNodeParams loadHdrNodeParams(const XmlRpcValue& tree) {
-  HdrNodeParams params;
-  ParamReader reader(tree, kHdrParams);
-  HdrNodeParams::fields(params, reader);
-  reader.finish();
+  CellParams params = readFields<CellParams>(tree, kCellParams);
   validate(params);
   return params;
 }
 
 planar_bin_picking::PickParams loadPickParams(const XmlRpcValue& tree) {
-  planar_bin_picking::PickParams params;
-  ParamReader reader(tree, kPickParams);
-  planar_bin_picking::PickParams::fields(params, reader);
-  reader.finish();
-  return params;
+  return readFields<planar_bin_picking::PickParams>(tree, kPickParams);
 }
 
-std::string describe(const LocatorParams& params) {
-  ParamPrinter printer;
-  planar_bin_picking::forEachField(params, printer);
-  return printer.text.str();
-}
+std::string describe(const LocatorParams& params) { return printFields(params, kEachField); }
 
-std::string describe(const CellParams& params) {
-  ParamPrinter printer;
-  CellParams::fields(params, printer);
-  return printer.text.str();
-}
+std::string describe(const CellParams& params) { return printFields(params); }
 
-std::string describe(const planar_bin_picking::PickParams& params) {
-  ParamPrinter printer;
-  planar_bin_picking::PickParams::fields(params, printer);
-  return printer.text.str();
-}
-
-std::string describe(const HdrNodeParams& params) {
-  ParamPrinter printer;
-  HdrNodeParams::fields(params, printer);
-  return printer.text.str();
-}
+std::string describe(const planar_bin_picking::PickParams& params) { return printFields(params); }
 
 }  // namespace planar_bin_picking_ros

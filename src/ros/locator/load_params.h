@@ -2,36 +2,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// ROS parameters -> parameter structs, driven by the structs' own lists of fields. A key that no
-/// field has is an error, so that a typing error cannot pass for a default.
+/// The locator's ROS parameters -> parameter structs.
 
-#include "hdr/hdr_node_params.h"
 #include "locator/cell_params.h"
 #include "planar_bin_picking/locate/params.h"
 #include "planar_bin_picking/pick/pick_policy.h"
 
-#include <ros/node_handle.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <string>
 
 namespace planar_bin_picking_ros {
 
-/// The parameters below `~<name>`; an empty struct where there are none.
-XmlRpc::XmlRpcValue readTree(const ros::NodeHandle& pnh, const std::string& name);
-
 /// @param tree  as readTree returns it
 /// @throws std::invalid_argument  unknown key, wrong type or value out of range: key, value,
 /// allowed
 planar_bin_picking::LocatorParams loadLocatorParams(const XmlRpc::XmlRpcValue& tree);
 CellParams loadCellParams(const XmlRpc::XmlRpcValue& tree);
-HdrNodeParams loadHdrNodeParams(const XmlRpc::XmlRpcValue& tree);
 planar_bin_picking::PickParams loadPickParams(const XmlRpc::XmlRpcValue& tree);
 
 /// "key: value" of every field, one a line, for the log at start.
 std::string describe(const planar_bin_picking::LocatorParams& params);
 std::string describe(const CellParams& params);
-std::string describe(const HdrNodeParams& params);
 std::string describe(const planar_bin_picking::PickParams& params);
 
 }  // namespace planar_bin_picking_ros

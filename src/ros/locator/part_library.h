@@ -8,13 +8,12 @@
 #include "planar_bin_picking/part/part_model.h"
 
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 namespace planar_bin_picking_ros {
 
-using PartPtr = std::shared_ptr<const planar_bin_picking::PartModel>;
+using planar_bin_picking::PartPtr;
 
 class PartLibrary {
  public:

@@ -157,7 +157,7 @@ PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const
     answer.result.detections.push_back(entry.detection);
   }
   Open open{call.caller, answer.frame.received, {}};
-  const std::vector<PartPtr> asked_for = answer.parts;
+  const std::vector<planar_bin_picking::PartPtr> asked_for = answer.parts;
   offered.parts = publish(std::move(answer));
   for (std::size_t i = 0; i < offered.parts.size(); ++i)
     open.parts.push_back({offered.parts[i], candidates[plan.offers[i].candidate]});
@@ -165,14 +165,14 @@ PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const
   return offered;
 }
 
-void PickKeeper::keep(Open answer, const std::vector<PartPtr>& asked_for) {
+void PickKeeper::keep(Open answer, const std::vector<planar_bin_picking::PartPtr>& asked_for) {
   // Callers without a fixed name, such as rosservice, would pile up answers for ever.
   constexpr std::size_t kAnswers = 100;
   for (Open& older : open_) {
     if (older.caller != answer.caller) continue;
     const auto is_asked_again = [&](const Kept& kept) {
       return std::any_of(asked_for.begin(), asked_for.end(),
-                         [&](const PartPtr& part) { return part->name() == kept.located.part; });
+                         [&](const auto& part) { return part->name() == kept.located.part; });
     };
     older.parts.erase(std::remove_if(older.parts.begin(), older.parts.end(), is_asked_again),
                       older.parts.end());

@@ -80,7 +80,7 @@ class PickKeeper {
     std::vector<Kept>::iterator part;
   };
 
-  void keep(Open answer, const std::vector<PartPtr>& asked_for);
+  void keep(Open answer, const std::vector<planar_bin_picking::PartPtr>& asked_for);
   std::optional<Found> find(const std::string& caller,
                             const planar_bin_picking::ReportPick::Request& request);
 

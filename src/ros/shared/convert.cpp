@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/convert.h"
 
+#include "planar_bin_picking/base/se3.h"
+
 namespace planar_bin_picking_ros {
 
 using planar_bin_picking::Detection;
@@ -13,12 +15,6 @@ using planar_bin_picking::PartModel;
 using planar_bin_picking::PickPose;
 
 namespace {
-
-Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 template <class Vector>
 Eigen::Isometry3d isometry(const Vector& t, const geometry_msgs::Quaternion& q) {
@@ -70,7 +66,7 @@ Matrix6d fixedAxesCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& 
   // lies at -center in the frame of the centre, moves by R (t + w x (-center)).
   Matrix6d jacobian = Matrix6d::Zero();
   jacobian.topLeftCorner<3, 3>() = R_header_part;
-  jacobian.topRightCorner<3, 3>() = R_header_part * skew(center);
+  jacobian.topRightCorner<3, 3>() = R_header_part * planar_bin_picking::skew<double>(center);
   jacobian.bottomRightCorner<3, 3>() = R_header_part;
   return jacobian * covariance * jacobian.transpose();
 }

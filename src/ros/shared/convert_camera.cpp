@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/convert.h"
+#include "shared/convert_camera.h"
+
 #include "shared/refusal.h"
 
 #include <cv_bridge/cv_bridge.h>

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What walks over a parameter struct's list of fields: one fills it from ROS, one prints it.
+/// ROS parameters -> parameter structs, driven by the structs' own lists of fields. A key that no
+/// field has is an error, so that a typing error cannot pass for a default.
 
+#include <ros/node_handle.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <map>
@@ -13,6 +15,9 @@
 #include <vector>
 
 namespace planar_bin_picking_ros {
+
+/// The parameters below `~<name>`; an empty struct where there are none.
+XmlRpc::XmlRpcValue readTree(const ros::NodeHandle& pnh, const std::string& name);
 
 /// Takes values out of a flattened tree; what is left at the end was not known.
 class ParamReader {
@@ -121,5 +126,39 @@ struct ParamPrinter {
     for (const double number : member) text << " " << number;
   }
 };
+
+/// @param tree  as readTree returns it
+/// @param name  of the tree, for messages
+/// @param each  calls a visitor for every field of a Params: each(params, visitor)
+/// @throws std::invalid_argument  unknown key, wrong type or value out of range: key, value,
+/// allowed
+template <class Params, class Each>
+Params readFields(const XmlRpc::XmlRpcValue& tree, const std::string& name, const Each& each) {
+  Params params;
+  ParamReader reader(tree, name);
+  each(params, reader);
+  reader.finish();
+  return params;
+}
+
+template <class Params>
+Params readFields(const XmlRpc::XmlRpcValue& tree, const std::string& name) {
+  return readFields<Params>(tree, name,
+                            [](auto& params, auto& visit) { Params::fields(params, visit); });
+}
+
+/// "key: value" of every field, one a line, for the log at start.
+template <class Params, class Each>
+std::string printFields(const Params& params, const Each& each) {
+  ParamPrinter printer;
+  each(params, printer);
+  return printer.text.str();
+}
+
+template <class Params>
+std::string printFields(const Params& params) {
+  return printFields(params,
+                     [](auto& fields_of, auto& visit) { Params::fields(fields_of, visit); });
+}
 
 }  // namespace planar_bin_picking_ros

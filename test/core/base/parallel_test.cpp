@@ -3,6 +3,9 @@
 #include "base/parallel.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <stdexcept>
 #include <string>
@@ -49,6 +52,32 @@ TEST(Parallel, GoesOnWhereThreadsCannotStart) {
     EXPECT_EQ(callsWith(500, 8, most, &started), std::vector<int>(500, 1));
     EXPECT_EQ(started, most);
   }
+}
+
+/// As the above, with the system's own limit of processes.
+int worksUnderALimit() {
+  constexpr uid_t kNobody = 65534;
+  constexpr rlimit kNoMore{1, 1};
+  if (getuid() == 0 && setuid(kNobody) != 0) return 2;  // root has no limit
+  if (setrlimit(RLIMIT_NPROC, &kNoMore) != 0) return 3;
+  try {
+    std::thread([] {}).join();
+    return 4;  // the limit does not hold
+  } catch (const std::system_error&) {
+  }
+  std::vector<int> calls(500, 0);
+  parallelFor(500, 8, [&](int i) { ++calls[static_cast<std::size_t>(i)]; });
+  return calls == std::vector<int>(500, 1) ? 0 : 5;
+}
+
+TEST(Parallel, GoesOnUnderALimitOfProcesses) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) _exit(worksUnderALimit());
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 TEST(Parallel, ThrowsWhatABodyThrew) {

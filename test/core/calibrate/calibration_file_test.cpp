@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/calibrate/calibration_file.h"
-#include "planar_bin_picking/image/camera.h"
+#include "planar_bin_picking/image/camera_file.h"
 #include "support/board_problem.h"
 #include "support/comma_locale.h"
 #include "support/matchers.h"

@@ -93,7 +93,7 @@ TEST_F(Strokes, AreCountedWhenDropped) {
                     stroke({{20, 0}, {30, 0}, {30, 9}}, true)},
                    0.05);
   EXPECT_EQ(clean.twice, 2u);
-  EXPECT_EQ(clean.crumbs, 2u);
+  EXPECT_EQ(clean.slivers, 2u);
   ASSERT_EQ(clean.strokes.size(), 4u);  // one line in three pieces, and the triangle
   EXPECT_EQ(clean.strokes[0].points.back(), Eigen::Vector2d(3, 0));
   EXPECT_EQ(clean.strokes[1].points.back(), Eigen::Vector2d(6, 0));

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/image/camera.h"
+#include "planar_bin_picking/image/camera_file.h"
 #include "support/matchers.h"
 #include "support/temp_dir.h"
 

@@ -3,6 +3,7 @@
 /// Each key of config/locator.yaml, written into a file and changed, changes what is located in the
 /// embedded scene; `threads` alone must not.
 
+#include "planar_bin_picking/image/camera_file.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "planar_bin_picking/locate/params.h"
 #include "planar_bin_picking/part/part_file.h"

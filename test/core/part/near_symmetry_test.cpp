@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "part/near_symmetry.h"
+#include "planar_bin_picking/part/near_symmetry.h"
 
 #include "support/plates.h"
 
@@ -21,7 +21,7 @@ std::vector<NearSymmetry> turnsOf(const PartModel& part, bool flips, bool exact)
 }
 
 double turnDeg(const NearSymmetry& other) {
-  const Eigen::Matrix3d& R = other.T_part_other.linear();
+  const Eigen::Matrix3d& R = other.T_part_turned.linear();
   const double angle = std::atan2(R(1, 0), R(0, 0)) / kDegrees;
   return angle < 0.0 ? angle + 360.0 : angle;
 }
@@ -31,7 +31,7 @@ bool nearKeyway(const Eigen::Vector2d& p) {
   return std::abs(p.x()) < 4e-3 && p.y() > 8e-3 && p.y() < 15e-3;
 }
 
-TEST(Lookalikes, AWheelsTeethAreAlikeButForItsKeyway) {
+TEST(NearSymmetries, AWheelsTeethAreAlikeButForItsKeyway) {
   const auto part = makePart("wheel", wheelPlate(15, true));
   const auto turns = turnsOf(*part, false, false);
   ASSERT_EQ(turns.size(), 14u);
@@ -41,16 +41,16 @@ TEST(Lookalikes, AWheelsTeethAreAlikeButForItsKeyway) {
     EXPECT_NEAR(teeth, std::round(teeth), 0.05);  // angles are sought to a degree
     seen.insert(static_cast<int>(std::lround(teeth)));
     ASSERT_FALSE(other.only_part.empty());
-    ASSERT_FALSE(other.only_other.empty());
+    ASSERT_FALSE(other.only_turned.empty());
     for (const int i : other.only_part) {
       const Eigen::Vector2d p = part->outline()[i].position;
       const Eigen::Vector3d back =
-          other.T_part_other.inverse() * Eigen::Vector3d(p.x(), p.y(), 0.0);
+          other.T_part_turned.inverse() * Eigen::Vector3d(p.x(), p.y(), 0.0);
       EXPECT_TRUE(nearKeyway(p) || nearKeyway(back.head<2>())) << p.transpose();
     }
-    for (const int i : other.only_other) {
+    for (const int i : other.only_turned) {
       const Eigen::Vector2d p = part->outline()[i].position;
-      const Eigen::Vector3d there = other.T_part_other * Eigen::Vector3d(p.x(), p.y(), 0.0);
+      const Eigen::Vector3d there = other.T_part_turned * Eigen::Vector3d(p.x(), p.y(), 0.0);
       EXPECT_TRUE(nearKeyway(p) || nearKeyway(there.head<2>())) << p.transpose();
     }
   }
@@ -58,7 +58,7 @@ TEST(Lookalikes, AWheelsTeethAreAlikeButForItsKeyway) {
   EXPECT_EQ(seen.count(0), 0u);
 }
 
-TEST(Lookalikes, ItsOtherFaceIsTheSameWhereTheKeywayIsInTheMiddle) {
+TEST(NearSymmetries, ItsOtherFaceIsTheSameWhereTheKeywayIsInTheMiddle) {
   const auto part = makePart("wheel", wheelPlate(15, true));
   // Upside down it is one of the other teeth.
   EXPECT_TRUE(turnsOf(*part, true, false).empty());
@@ -66,7 +66,7 @@ TEST(Lookalikes, ItsOtherFaceIsTheSameWhereTheKeywayIsInTheMiddle) {
   EXPECT_TRUE(turnsOf(*part, false, true).empty());
 }
 
-TEST(Lookalikes, ARingIsAlikeAtEveryTurnButForItsHoles) {
+TEST(NearSymmetries, ARingIsAlikeAtEveryTurnButForItsHoles) {
   const sim::Plate ring = {
       circle(0, 0, 40),
       {circle(0, 0, 26, true), circle(33, 0, 2.5, true), circle(-33, 0, 2.5, true)},
@@ -83,7 +83,7 @@ TEST(Lookalikes, ARingIsAlikeAtEveryTurnButForItsHoles) {
   EXPECT_TRUE(turnsOf(*part, true, false).empty());
 }
 
-TEST(Lookalikes, TheyMapTheOutlineOntoItself) {
+TEST(NearSymmetries, TheyMapTheOutlineOntoItself) {
   sim::Plate plate = wheelPlate(15, true);
   plate.thickness_mm = 3.0;
   const auto part = makePart("wheel", plate);
@@ -92,7 +92,7 @@ TEST(Lookalikes, TheyMapTheOutlineOntoItself) {
     int on = 0;
     for (const OutlinePoint& p : part->outline()) {
       const Eigen::Vector3d q =
-          other.T_part_other * Eigen::Vector3d(p.position.x(), p.position.y(), z);
+          other.T_part_turned * Eigen::Vector3d(p.position.x(), p.position.y(), z);
       // The front lands on the front or, turned over, on the back.
       EXPECT_NEAR(q.z(), other.flips ? part->faceZ(Face::kBack) : z, 1e-12);
       on += std::any_of(part->outline().begin(), part->outline().end(), [&](const OutlinePoint& o) {
@@ -103,7 +103,7 @@ TEST(Lookalikes, TheyMapTheOutlineOntoItself) {
   }
 }
 
-TEST(Lookalikes, ExactSymmetriesAreLeftOut) {
+TEST(NearSymmetries, ExactSymmetriesAreLeftOut) {
   EXPECT_TRUE(makePart("wheel", wheelPlate(15, false))->nearSymmetries().empty());
   EXPECT_TRUE(makePart("disk", {circle(0, 0, 30), {}, {}, 0.0})->nearSymmetries().empty());
   sim::Plate square = printedPlate();
@@ -112,11 +112,11 @@ TEST(Lookalikes, ExactSymmetriesAreLeftOut) {
   EXPECT_TRUE(turnsOf(*makePart("square", square), true, true).empty());
 }
 
-TEST(Lookalikes, AChiralPartHasNone) {
+TEST(NearSymmetries, AChiralPartHasNone) {
   EXPECT_TRUE(makePart("bracket", bracketPlate())->nearSymmetries().empty());
 }
 
-TEST(Lookalikes, APrintTellsExactOnesApart) {
+TEST(NearSymmetries, APrintTellsExactOnesApart) {
   const auto part = makePart("printed", printedPlate());
   const auto turned = turnsOf(*part, false, true), flipped = turnsOf(*part, true, true);
   ASSERT_EQ(turned.size(), 3u);
@@ -124,10 +124,10 @@ TEST(Lookalikes, APrintTellsExactOnesApart) {
   ASSERT_EQ(flipped.size(), 4u);
   for (const NearSymmetry& other : flipped) {
     // A corner lands on a corner of the other face.
-    const Eigen::Vector3d q = other.T_part_other * Eigen::Vector3d(0.03, 0.03, 0.0);
+    const Eigen::Vector3d q = other.T_part_turned * Eigen::Vector3d(0.03, 0.03, 0.0);
     EXPECT_NEAR(std::abs(q.x()), 0.03, 1e-6);
     EXPECT_NEAR(std::abs(q.y()), 0.03, 1e-6);
-    EXPECT_NEAR(other.T_part_other.linear()(2, 2), -1.0, 1e-9);
+    EXPECT_NEAR(other.T_part_turned.linear()(2, 2), -1.0, 1e-9);
   }
 }
 

@@ -137,10 +137,10 @@ TEST(PartModel, IsTheSameFarFromTheOrigin) {
   ASSERT_EQ(far.nearSymmetries().size(), near.nearSymmetries().size());
   for (std::size_t i = 0; i < far.nearSymmetries().size(); ++i) {
     const Eigen::Isometry3d moved = Eigen::Translation3d(off.x(), off.y(), 0.0) *
-                                    near.nearSymmetries()[i].T_part_other *
+                                    near.nearSymmetries()[i].T_part_turned *
                                     Eigen::Translation3d(-off.x(), -off.y(), 0.0);
     const Eigen::Vector3d p(off.x() + 0.03, off.y(), 0.0);
-    EXPECT_LT((far.nearSymmetries()[i].T_part_other * p - moved * p).norm(), 1e-5);
+    EXPECT_LT((far.nearSymmetries()[i].T_part_turned * p - moved * p).norm(), 1e-5);
   }
 }
 

@@ -3,7 +3,7 @@
 /// The keys below `merge` of config/hdr.yaml, and `threads`: changed in the parameters as ROS has
 /// them, each changes the merged image as its comment there says.
 
-#include "locator/load_params.h"
+#include "hdr/hdr_node_params.h"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>

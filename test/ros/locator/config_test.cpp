@@ -4,6 +4,7 @@
 /// and the YAML that documents it cannot drift from them.
 
 #include "calibrator/calibrator_params.h"
+#include "hdr/hdr_node_params.h"
 #include "locator/load_params.h"
 #include "locator/part_library.h"
 

@@ -3,6 +3,7 @@
 #include "locator/load_params.h"
 
 #include "calibrator/calibrator_params.h"
+#include "hdr/hdr_node_params.h"
 #include "support/matchers.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/convert.h"
+#include "shared/convert_camera.h"
 #include "shared/refusal.h"
 #include "support/matchers.h"
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/dxf/drawing_units.h"
 
+#include "drawing/dxf/dxf_names.h"
+
 #include <map>
 #include <stdexcept>
 

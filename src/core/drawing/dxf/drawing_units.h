@@ -4,7 +4,7 @@
 
 /// The unit of a drawing's numbers.
 
-#include "drawing/dxf/dxf_reader.h"
+#include "drawing/dxf/dxf_file.h"
 
 #include <string>
 #include <vector>

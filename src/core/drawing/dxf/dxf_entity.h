@@ -4,7 +4,12 @@
 
 /// One record of a DXF file -> an entity.
 
-#include "drawing/dxf/dxf_reader.h"
+#include "drawing/dxf/dxf_file.h"
+#include "drawing/dxf/dxf_names.h"
+#include "drawing/dxf/dxf_text.h"
+
+#include <optional>
+#include <vector>
 
 namespace planar_bin_picking {
 

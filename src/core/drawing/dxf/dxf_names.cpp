@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/dxf/dxf_names.h"
 
+#include <fnmatch.h>
 #include <iconv.h>
 
 #include <algorithm>
@@ -200,24 +201,12 @@ std::string upperCase(std::string_view utf8) {
 }
 
 bool matchesPattern(std::string_view text, std::string_view pattern) {
-  const std::string name = upperCase(text), wanted = upperCase(pattern);
-  // Only the last star ever needs to take more: what stood before it has been matched.
-  std::size_t i = 0, j = 0, star = std::string::npos, taken = 0;
-  while (i < name.size()) {
-    if (j < wanted.size() && wanted[j] == '*') {
-      star = j++;
-      taken = i;
-    } else if (j < wanted.size() && wanted[j] == name[i]) {
-      ++i;
-      ++j;
-    } else if (star != std::string::npos) {
-      j = star + 1;
-      i = ++taken;
-    } else {
-      return false;
-    }
+  std::string wanted;
+  for (const char c : upperCase(pattern)) {
+    if (c == '?' || c == '[' || c == '\\') wanted += '\\';  // names may have these in them
+    wanted += c;
   }
-  return wanted.find_first_not_of('*', j) == std::string::npos;
+  return fnmatch(wanted.c_str(), upperCase(text).c_str(), 0) == 0;
 }
 
 bool matchesAny(std::string_view name, const std::vector<std::string>& patterns) {

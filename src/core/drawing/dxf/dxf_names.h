@@ -29,7 +29,7 @@ class DxfNames {
 /// Both cases become one, in all alphabets that have two: names in DXF do not tell them apart.
 std::string upperCase(std::string_view utf8);
 
-/// `*` in the pattern stands for anything; without case. Cost: text times pattern at most.
+/// `*` in the pattern stands for anything, all else for itself; without case.
 bool matchesPattern(std::string_view text, std::string_view pattern);
 
 /// Also where the name was taken over from another drawing and carries its name in front:

@@ -3,6 +3,8 @@
 #include "drawing/dxf/dxf_reader.h"
 
 #include "drawing/dxf/dxf_entity.h"
+#include "drawing/dxf/dxf_names.h"
+#include "drawing/dxf/dxf_text.h"
 
 #include <cmath>
 #include <stdexcept>

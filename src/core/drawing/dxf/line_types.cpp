@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drawing/dxf/line_types.h"
 
+#include "drawing/dxf/dxf_names.h"
+
 namespace planar_bin_picking {
 namespace {
 

@@ -4,7 +4,7 @@
 
 /// What a draughtsman's line type says about a line.
 
-#include "drawing/dxf/dxf_reader.h"
+#include "drawing/dxf/dxf_file.h"
 
 #include <string>
 

@@ -4,7 +4,7 @@
 
 /// Whether a drawing shows the part in its size, or a sheet on which it is drawn smaller or larger.
 
-#include "drawing/dxf/dxf_reader.h"
+#include "drawing/dxf/dxf_file.h"
 
 #include <string>
 #include <vector>

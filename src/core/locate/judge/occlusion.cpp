@@ -86,9 +86,9 @@ bool isInside(const cv::Mat& image, const Eigen::Vector2f& pixel) {
 
 }  // namespace
 
-std::vector<int> findCover(const FaceGrid& grid, const EdgeMap& edges, const Camera& camera,
-                           const Eigen::Isometry3d& T_camera_part, double z,
-                           const std::vector<OutlinePiece>& outline) {
+std::vector<int> findOcclusion(const FaceGrid& grid, const EdgeMap& edges, const Camera& camera,
+                               const Eigen::Isometry3d& T_camera_part, double z,
+                               const std::vector<OutlinePiece>& outline) {
   const auto pixelOf = [&](const Eigen::Vector2d& p) -> Eigen::Vector2f {
     return camera.project(T_camera_part * Eigen::Vector3d(p.x(), p.y(), z)).cast<float>();
   };

@@ -30,8 +30,8 @@ struct OutlinePiece {
 /// @param z  of the face in the part frame
 /// @return   covered cells in order; what lies outside the image counts as covered
 /// Cost: some 0.2 ms.
-std::vector<int> findCover(const FaceGrid& grid, const EdgeMap& edges, const Camera& camera,
-                           const Eigen::Isometry3d& T_camera_part, double z,
-                           const std::vector<OutlinePiece>& outline);
+std::vector<int> findOcclusion(const FaceGrid& grid, const EdgeMap& edges, const Camera& camera,
+                               const Eigen::Isometry3d& T_camera_part, double z,
+                               const std::vector<OutlinePiece>& outline);
 
 }  // namespace planar_bin_picking

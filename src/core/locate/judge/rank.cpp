@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/judge/rank.h"
 
+#include "base/polygon.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -30,18 +32,6 @@ Mask maskOf(const PartModel& part, const ScoredPose& pose) {
   return mask;
 }
 
-bool inside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& p) {
-  bool in = false;
-  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const auto &a = polygon[i], &b = polygon[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) &&
-        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) {
-      in = !in;
-    }
-  }
-  return in;
-}
-
 /// Share of a's area that b covers too, on a grid.
 double overlap(const Mask& a, const Mask& b) {
   if (!a.box.intersects(b.box)) return 0.0;
@@ -51,9 +41,9 @@ double overlap(const Mask& a, const Mask& b) {
     for (int i = 0; i < kGrid; ++i) {
       const Eigen::Vector2d p =
           a.box.min() + a.box.sizes().cwiseProduct(Eigen::Vector2d(i + 0.5, j + 0.5) / kGrid);
-      if (!inside(a.outer, p)) continue;
+      if (!contains(a.outer, p)) continue;
       ++all;
-      both += inside(b.outer, p);
+      both += contains(b.outer, p);
     }
   }
   return static_cast<double>(both) / std::max(1, all);

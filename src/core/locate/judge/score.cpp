@@ -98,7 +98,7 @@ bool isCovered(const PartModel& part, int loop, const EdgeMap& edges, const Came
     if (cell >= 0) around.push_back(cell);
   }
   const auto covered =
-      findCover(grid, edges, camera, pose.T_camera_part, part.faceZ(pose.face), others);
+      findOcclusion(grid, edges, camera, pose.T_camera_part, part.faceZ(pose.face), others);
   const auto over = std::count_if(around.begin(), around.end(), [&](int cell) {
     return std::binary_search(covered.begin(), covered.end(), cell);
   });
@@ -159,7 +159,8 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
                 &pieces);
     }
     const FaceGrid& grid = part.faceGrid();
-    out[i].covered = findCover(grid, edges, camera, r.T_camera_part, part.faceZ(r.face), pieces);
+    out[i].covered =
+        findOcclusion(grid, edges, camera, r.T_camera_part, part.faceZ(r.face), pieces);
     out[i].visible_fraction =
         1.0 - static_cast<double>(out[i].covered.size()) / static_cast<double>(grid.cells().size());
     const auto print = uncovered(part, r.face, group, out[i].covered);

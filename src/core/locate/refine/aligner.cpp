@@ -6,7 +6,7 @@
 #include "locate/evidence/print_evidence.h"
 #include "locate/evidence/wall_evidence.h"
 #include "locate/refine/field_alignment.h"
-#include "part/part_size.h"
+#include "part/part_extent.h"
 
 #include <algorithm>
 #include <cmath>

@@ -39,7 +39,7 @@ constexpr std::size_t kEnoughPoints = 64;
 /// The pose as the near-symmetry of the part; what the image said was about the pose itself.
 PoseHypothesis moved(const PoseHypothesis& pose, const NearSymmetry& other) {
   PoseHypothesis out = pose;
-  out.T_camera_part = pose.T_camera_part * other.T_part_other;
+  out.T_camera_part = pose.T_camera_part * other.T_part_turned;
   out.image = {};
   out.searched = false;
   if (other.flips) out.face = pose.face == Face::kFront ? Face::kBack : Face::kFront;
@@ -116,7 +116,7 @@ std::vector<Rival> rivalsOf(const Aligner& aligner, const PoseHypothesis& pose) 
   for (const auto& other : part.nearSymmetries()) {
     if (other.exact) continue;
     const double gain =
-        aligner.fieldInlierScoreOf(moved(pose, other), pointsAt(part, other.only_other)) -
+        aligner.fieldInlierScoreOf(moved(pose, other), pointsAt(part, other.only_turned)) -
         aligner.fieldInlierScoreOf(pose, pointsAt(part, other.only_part));
     if (gain > kHopelessInField) rivals.push_back({gain, &other});
   }
@@ -137,9 +137,9 @@ void compareNearSymmetries(const Aligner& aligner, ChosenPose* chosen) {
     PoseHypothesis rival = moved(pose, *other);
     aligner.alignNarrow(&rival);
     const double share = 0.5 *
-                         static_cast<double>(other->only_other.size() + other->only_part.size()) /
+                         static_cast<double>(other->only_turned.size() + other->only_part.size()) /
                          static_cast<double>(part.outline().size());
-    const double outline = aligner.inlierScoreOf(rival, pointsAt(part, other->only_other)) -
+    const double outline = aligner.inlierScoreOf(rival, pointsAt(part, other->only_turned)) -
                            aligner.inlierScoreOf(pose, pointsAt(part, other->only_part));
     const double odds =
         outline * std::sqrt(share) / kOutlineSigma + printOdds(aligner, rival) - print;

@@ -6,7 +6,7 @@
 #include "base/plane_pose.h"
 #include "locate/vote/vote_planes.h"
 #include "part/outline_view.h"
-#include "part/part_size.h"
+#include "part/part_extent.h"
 
 #include <algorithm>
 #include <array>
@@ -59,7 +59,8 @@ int stepsOver(double span, double step) {
 }
 
 /// By how much cells and yaw steps are finer than those along the part's radius: where edges lie
-/// near to one another (bars, perforated plates), each vote would be borne out by the next edge.
+/// near to one another (bars, perforated plates), each vote would be borne out by the next
+/// edge.
 double finerBy(const PartModel& part, const HoughParams& params) {
   constexpr double kAcross = 3.5;  // cells from one edge to the next; most parts have as many
   constexpr double kMost = 3.0;    // the search takes the third power as long
@@ -77,7 +78,7 @@ struct ViewGrid {
   ViewGrid(const HoughTask& task, const HoughParams& params, double finer)
       : faces({Face::kFront}), shapes(makeShapes(params.tilt_max_deg)) {
     // The faces of a mirror symmetric outline look the same; a print tells them apart later
-    // (refine.h).
+    // (print_evidence.h).
     if (!task.part->symmetry().mirror) faces.push_back(Face::kBack);
     const int order = task.part->nearOrder();
     yaw_range = order == 0 ? 0.0 : 2.0 * M_PI / order;
@@ -106,7 +107,7 @@ std::vector<View> makeViews(const ViewGrid& grid, double distance_min) {
   return out;
 }
 
-/// Samples of the outline, prints left out: those tell the face later (score.h).
+/// Samples of the outline, prints left out: those tell the face later (print_evidence.h).
 std::vector<OutlinePoint> rasterPoints(const PartModel& part, int count) {
   constexpr int kStride = 37;  // spreads them so that the first few already stand for the whole
   if (count % kStride == 0) --count;
@@ -176,35 +177,35 @@ class TileRow {
   TileRow(const VotePlanes& planes, int tile, int floor)
       : tile_(tile), columns_(planes.cols / tile + 1), pitch_(columns_ * tile + kChunk) {
     bins_.resize(static_cast<std::size_t>(columns_) * 2 * kYawSectors);
-    bars_.resize(2 * kYawSectors, Bars(pitch_, floor));
+    thresholds_.resize(2 * kYawSectors, PruningThresholds(pitch_, floor));
   }
-  const Bars& bars(int sector) const { return bars_[sector]; }
+  const PruningThresholds& thresholds(int sector) const { return thresholds_[sector]; }
   void add(const Bin& found, int sector) {
     const int column = found.col / tile_;
     bins_[static_cast<std::size_t>(sector) * columns_ + column] = found;
-    bars_[sector].raise(column * tile_, tile_, found.votes);
+    thresholds_[sector].raise(column * tile_, tile_, found.votes);
   }
   const std::vector<Bin>& bins() const { return bins_; }
 
  private:
   int tile_, columns_, pitch_;
   std::vector<Bin> bins_;
-  std::vector<Bars> bars_;
+  std::vector<PruningThresholds> thresholds_;
 };
 
 /// Votes of one view for the centres in rows row0 to row1 of one row of tiles.
 void vote(const VotePlanes& planes, const Layout& layout, int row0, int row1, int view, int sector,
           TileRow* tiles) {
-  const Bars& bars = tiles->bars(sector);
+  const PruningThresholds& thresholds = tiles->thresholds(sector);
   std::array<std::uint8_t, kChunk> sums;
   for (int row = std::max(layout.row0, row0); row < std::min(layout.row1, row1); ++row) {
     for (int col = layout.col0; col < layout.col1; col += kChunk) {
       const std::uint8_t* base =
           planes.votes.data() + static_cast<std::size_t>(row) * planes.pitch + col;
-      if (!sumChunk(base, layout.offsets, bars, col, &sums)) continue;
+      if (!sumChunk(base, layout.offsets, thresholds, col, &sums)) continue;
       const int end = std::min(kChunk, layout.col1 - col);
       for (int i = 0; i < end; ++i) {
-        if (sums[i] <= bars.best(col + i)) continue;
+        if (sums[i] <= thresholds.best(col + i)) continue;
         tiles->add({sums[i], view, row, col + i}, sector);
       }
     }

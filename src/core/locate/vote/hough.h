@@ -26,8 +26,8 @@ struct HoughTask {
 
 /// @return  candidates, votes descending, ties by position and view; at most params.max_candidates
 /// @throws std::invalid_argument  the search would take more than 1 GB, by the parameters' fault
-/// Source: [1] Sec. II-B, II-C. Cost: at most O(views * raster points * cells), of which the bars
-/// of the bins found so far (vote_planes.h) save about half.
+/// Source: [1] Sec. II-B, II-C. Cost: at most O(views * raster points * cells), of which the
+/// pruning thresholds of the bins found so far (vote_planes.h) save about half.
 std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& task,
                                       const HoughParams& params, int threads);
 

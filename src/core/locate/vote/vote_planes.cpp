@@ -43,7 +43,7 @@ void fillPlanes(const Field& field, double tolerance_px, int threads, VotePlanes
   });
 }
 
-void Bars::raise(int column, int count, int votes) {
+void PruningThresholds::raise(int column, int count, int votes) {
   // After a third of the points a position goes on where it is not far below a third of the votes.
   constexpr double kNear = 0.8;
   const auto first = static_cast<std::uint8_t>(kNear * votes / 3.0);
@@ -52,10 +52,10 @@ void Bars::raise(int column, int count, int votes) {
 }
 
 PBP_SIMD
-static bool anyAbove(const ByteVector& a, const ByteVector& b, const std::uint8_t* bars) {
+static bool anyAbove(const ByteVector& a, const ByteVector& b, const std::uint8_t* thresholds) {
   ByteVector u, v;
-  std::memcpy(&u, bars, sizeof u);
-  std::memcpy(&v, bars + sizeof u, sizeof v);
+  std::memcpy(&u, thresholds, sizeof u);
+  std::memcpy(&v, thresholds + sizeof u, sizeof v);
   const auto above = (a > u) | (b > v);
   std::array<std::uint64_t, sizeof above / 8> words;
   std::memcpy(words.data(), &above, sizeof above);
@@ -77,16 +77,17 @@ static void addPoints(const std::uint8_t* base, const std::int32_t* offsets, int
   *b = t;
 }
 
-bool sumChunk(const std::uint8_t* base, const std::vector<std::int32_t>& offsets, const Bars& bars,
-              int column, std::array<std::uint8_t, kChunk>* sums) {
+bool sumChunk(const std::uint8_t* base, const std::vector<std::int32_t>& offsets,
+              const PruningThresholds& thresholds, int column,
+              std::array<std::uint8_t, kChunk>* sums) {
   static_assert(sizeof(ByteVector) * 2 == kChunk, "a chunk is two vectors");
   static_assert(kMaxPoints * kMaxVote < 256, "sums fit into a byte");
   const int count = static_cast<int>(offsets.size()), third = count / 3;
   ByteVector a = {}, b = {};
   addPoints(base, offsets.data(), third, &a, &b);
-  if (!anyAbove(a, b, bars.first_.data() + column)) return false;
+  if (!anyAbove(a, b, thresholds.first_.data() + column)) return false;
   addPoints(base, offsets.data() + third, count - third, &a, &b);
-  if (!anyAbove(a, b, bars.best_.data() + column)) return false;
+  if (!anyAbove(a, b, thresholds.best_.data() + column)) return false;
   std::memcpy(sums->data(), &a, sizeof a);
   std::memcpy(sums->data() + sizeof a, &b, sizeof b);
   return true;

@@ -45,24 +45,26 @@ inline constexpr int kChunk = 64;
 inline constexpr int kMaxPoints = 85;  // whose votes fit into a byte
 
 /// What the votes of a position must exceed to be the best of its tile, over a row of positions.
-class Bars {
+class PruningThresholds {
  public:
-  Bars(int columns, int floor) : best_(columns), first_(columns) {
+  PruningThresholds(int columns, int floor) : best_(columns), first_(columns) {
     raise(0, columns, std::max(0, floor - 1));
   }
   void raise(int column, int count, int votes);
   std::uint8_t best(int column) const { return best_[column]; }
 
  private:
-  friend bool sumChunk(const std::uint8_t*, const std::vector<std::int32_t>&, const Bars&, int,
-                       std::array<std::uint8_t, kChunk>*);
+  friend bool sumChunk(const std::uint8_t*, const std::vector<std::int32_t>&,
+                       const PruningThresholds&, int, std::array<std::uint8_t, kChunk>*);
   std::vector<std::uint8_t> best_, first_;  // after all points, after the first ones
 };
 
 /// Votes of raster points that lie `offsets` past the centre, for kChunk centres from `base` on,
 /// the first of them in `column`.
-/// @return  whether any exceeds its bar; false, too, where none comes near after the first third
-bool sumChunk(const std::uint8_t* base, const std::vector<std::int32_t>& offsets, const Bars& bars,
-              int column, std::array<std::uint8_t, kChunk>* sums);
+/// @return  whether any exceeds its threshold; false, too, where none comes near after the first
+/// third
+bool sumChunk(const std::uint8_t* base, const std::vector<std::int32_t>& offsets,
+              const PruningThresholds& thresholds, int column,
+              std::array<std::uint8_t, kChunk>* sums);
 
 }  // namespace planar_bin_picking

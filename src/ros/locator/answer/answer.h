@@ -4,7 +4,6 @@
 
 /// One call's result and what it was found in: all that is published about it.
 
-#include "locator/part_library.h"
 #include "planar_bin_picking/image/camera.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "shared/image_inbox.h"
@@ -19,8 +18,8 @@
 namespace planar_bin_picking_ros {
 
 struct Answer {
-  std::vector<PartPtr> parts;  ///< that were looked for
-  Frame frame;                 ///< keeps the data of `grey` alive
+  std::vector<planar_bin_picking::PartPtr> parts;  ///< that were looked for
+  Frame frame;                                     ///< keeps the data of `grey` alive
   cv::Mat grey;
   planar_bin_picking::Camera camera;
   planar_bin_picking::LocateResult result;

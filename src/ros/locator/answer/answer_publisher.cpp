@@ -41,9 +41,9 @@ std::string rememberedKey(std::string node) {
   return kPublishedFramesParam + node;
 }
 
-std::vector<std::string> namesOf(const std::vector<PartPtr>& parts) {
+std::vector<std::string> namesOf(const std::vector<planar_bin_picking::PartPtr>& parts) {
   std::vector<std::string> names;
-  for (const PartPtr& part : parts) names.push_back(part->name());
+  for (const auto& part : parts) names.push_back(part->name());
   return names;
 }
 
@@ -105,7 +105,7 @@ void AnswerPublisher::remember() {
     remembered_ = names.size();
 }
 
-void AnswerPublisher::withdraw(const std::vector<PartPtr>& parts) {
+void AnswerPublisher::withdraw(const std::vector<planar_bin_picking::PartPtr>& parts) {
   const std::lock_guard<std::mutex> lock(mutex_);
   frames_.withdraw(namesOf(parts));
   sendFrames();

@@ -35,7 +35,7 @@ class AnswerPublisher {
   AnswerPublisher& operator=(const AnswerPublisher&) = delete;
 
   /// A call begins that will say anew where these parts are: what was said before no longer holds.
-  void withdraw(const std::vector<PartPtr>& parts);
+  void withdraw(const std::vector<planar_bin_picking::PartPtr>& parts);
 
   /// Names the answer's frames and publishes it. Safe to call from several threads.
   std::shared_ptr<const Answer> publish(Answer answer);

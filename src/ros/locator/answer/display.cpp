@@ -83,13 +83,13 @@ Marker makeText(Marker marker, const LocatedPart& located, const PartModel& part
 
 visualization_msgs::MarkerArray makeMarkers(const std_msgs::Header& header,
                                             const std::vector<LocatedPart>& located,
-                                            const std::vector<PartPtr>& parts) {
+                                            const std::vector<planar_bin_picking::PartPtr>& parts) {
   visualization_msgs::MarkerArray array;
   array.markers.emplace_back();
   array.markers.back().header.frame_id = header.frame_id;
   array.markers.back().action = Marker::DELETEALL;
   for (std::size_t rank = 0; rank < located.size(); ++rank) {
-    const auto part = std::find_if(parts.begin(), parts.end(), [&](const PartPtr& candidate) {
+    const auto part = std::find_if(parts.begin(), parts.end(), [&](const auto& candidate) {
       return candidate->name() == located[rank].part;
     });
     assert(part != parts.end());

@@ -4,7 +4,7 @@
 
 /// An answer for people: outlines and names as markers, for rviz.
 
-#include "locator/part_library.h"
+#include "planar_bin_picking/part/part_model.h"
 
 #include <planar_bin_picking/LocatedPart.h>
 #include <std_msgs/Header.h>
@@ -18,6 +18,6 @@ namespace planar_bin_picking_ros {
 /// @param parts  all that `located` names
 visualization_msgs::MarkerArray makeMarkers(
     const std_msgs::Header& header, const std::vector<planar_bin_picking::LocatedPart>& located,
-    const std::vector<PartPtr>& parts);
+    const std::vector<planar_bin_picking::PartPtr>& parts);
 
 }  // namespace planar_bin_picking_ros

@@ -66,6 +66,11 @@ TEST(DxfNames, MatchPatterns) {
   EXPECT_FALSE(matchesPattern("XDIM", "DIM*"));
   EXPECT_FALSE(matchesPattern("DIMX", "DIM"));
   EXPECT_FALSE(matchesPattern("abcabc", "*ab*d"));
+  EXPECT_TRUE(matchesPattern("A[1]?\\B", "a[1]?\\*"));  // nothing but the star is special
+  EXPECT_FALSE(matchesPattern("A1", "A[1]"));
+  EXPECT_FALSE(matchesPattern("AB", "A?"));
+  EXPECT_FALSE(matchesPattern("B", "\\B"));
+  EXPECT_TRUE(matchesPattern(".dim/x", "*x"));
 }
 
 TEST(DxfNames, AreFoundBehindTheDrawingTheyComeFrom) {

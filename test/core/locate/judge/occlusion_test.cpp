@@ -45,7 +45,7 @@ struct Counts {
 /// Covered cells inside and outside of the box x0..x1, y0..y1 (mm, part frame), the plate's grey
 /// there being `grey` in the picture.
 template <class Missing>
-Counts coverOf(double x0, double x1, double y0, double y1, double grey, Missing&& missing) {
+Counts occlusionOf(double x0, double x1, double y0, double y1, double grey, Missing&& missing) {
   const auto part = makePart("plain", plainPlate());
   sim::Scene scene = sceneOf(plainPlate(), kLie);
   if (grey > 0.0)
@@ -54,7 +54,7 @@ Counts coverOf(double x0, double x1, double y0, double y1, double grey, Missing&
   const FaceGrid& grid = part->faceGrid();
   Counts counts;
   for (const int i :
-       findCover(grid, shot.edges, shot.camera, sim::poseOf(kLie), 0.0, outlineOf(missing))) {
+       findOcclusion(grid, shot.edges, shot.camera, sim::poseOf(kLie), 0.0, outlineOf(missing))) {
     const Eigen::Vector2d p = 1e3 * grid.cells()[i];
     const bool is_inside = p.x() > x0 - 1 && p.x() < x1 + 1 && p.y() > y0 - 1 && p.y() < y1 + 1;
     ++(is_inside ? counts.inside : counts.outside);
@@ -63,14 +63,14 @@ Counts coverOf(double x0, double x1, double y0, double y1, double grey, Missing&
 }
 
 TEST(Cover, AFreeFaceHasNone) {
-  const Counts none = coverOf(0, 0, 0, 0, 0.0, [](const auto&) { return false; });
+  const Counts none = occlusionOf(0, 0, 0, 0, 0.0, [](const auto&) { return false; });
   EXPECT_EQ(none.inside + none.outside, 0);
 }
 
 TEST(Cover, AStripAcross) {
   for (const double grey : {90.0, 230.0}) {
     const Counts counts =
-        coverOf(-10, 6, -40, 40, grey, [](const auto& p) { return p.x() > -10 && p.x() < 6; });
+        occlusionOf(-10, 6, -40, 40, grey, [](const auto& p) { return p.x() > -10 && p.x() < 6; });
     EXPECT_GT(counts.inside, 0.9 * 200) << grey;
     EXPECT_LT(counts.outside, 30) << grey;
   }
@@ -78,27 +78,27 @@ TEST(Cover, AStripAcross) {
 
 TEST(Cover, ACornerHidden) {
   const Counts counts =
-      coverOf(20, 60, 5, 60, 100.0, [](const auto& p) { return p.x() > 20 && p.y() > 5; });
+      occlusionOf(20, 60, 5, 60, 100.0, [](const auto& p) { return p.x() > 20 && p.y() > 5; });
   EXPECT_GT(counts.inside, 0.9 * 100);
   EXPECT_LT(counts.outside, 20);
 }
 
 TEST(Cover, AFaintStretchAloneIsNone) {
   // As long as the strip's ends, and nothing runs across the face.
-  const Counts counts = coverOf(
+  const Counts counts = occlusionOf(
       -10, 6, -25, -20, 0.0, [](const auto& p) { return p.x() > -10 && p.x() < 6 && p.y() < 0; });
   EXPECT_LE(counts.inside, 10);  // the cells along it at most
   EXPECT_EQ(counts.outside, 0);
 }
 
 TEST(Cover, AMarkOnTheFaceIsNone) {
-  const Counts counts = coverOf(-10, 6, -8, 8, 90.0, [](const auto&) { return false; });
+  const Counts counts = occlusionOf(-10, 6, -8, 8, 90.0, [](const auto&) { return false; });
   EXPECT_EQ(counts.inside + counts.outside, 0);
 }
 
 TEST(Cover, TextureBearsOutSomeOfACoveredStretch) {
   const auto hides = [](const Eigen::Vector2d& p) { return p.x() > -10 && p.x() < 6; };
-  const Counts counts = coverOf(-10, 6, -40, 40, 100.0, [&](const auto& p) {
+  const Counts counts = occlusionOf(-10, 6, -40, 40, 100.0, [&](const auto& p) {
     return hides(p) && static_cast<int>(std::floor(2.0 * p.x())) % 5 < 3;  // two of five are "seen"
   });
   EXPECT_GT(counts.inside, 0.9 * 200);
@@ -109,8 +109,8 @@ TEST(Cover, WhatTheImageDoesNotShowCountsAsCovered) {
   sim::Lie lie = kLie;
   lie.x_mm = 600.0 * 0.5 * kPinhole.width / kPinhole.fx;  // its middle on the image's border
   const Shot shot = shoot(sceneOf(plainPlate(), lie));
-  const auto covered = findCover(part->faceGrid(), shot.edges, shot.camera, sim::poseOf(lie), 0.0,
-                                 outlineOf([](const auto&) { return false; }));
+  const auto covered = findOcclusion(part->faceGrid(), shot.edges, shot.camera, sim::poseOf(lie),
+                                     0.0, outlineOf([](const auto&) { return false; }));
   EXPECT_GT(covered.size(), part->faceGrid().cells().size() / 4);
 }
 

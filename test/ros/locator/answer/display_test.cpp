@@ -15,7 +15,7 @@ using planar_bin_picking::PartModel;
 using visualization_msgs::Marker;
 
 /// A square of 0.1 m with an open scratch printed on it, 5 mm thick.
-PartPtr makePart() {
+planar_bin_picking::PartPtr makePart() {
   planar_bin_picking::PartFile file;
   file.name = "square";
   file.thickness = 0.005;

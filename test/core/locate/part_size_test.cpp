@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "part/part_size.h"
+#include "planar_bin_picking/locate/part_size.h"
 
 #include "planar_bin_picking/locate/locator.h"
 #include "support/matchers.h"
@@ -32,29 +32,12 @@ sim::Plate bar(double length_mm, double width_mm, double turn_deg = 0.0) {
   return plate;
 }
 
-TEST(PartSize, TheMeanWidthIsTheDistanceFromEdgeToEdge) {
-  EXPECT_NEAR(meanWidthOf(*makePart("bar", bar(300, 20))), 1e-3 * 2 * 6000 / 640, 1e-6);
-  sim::Plate ring = bar(100, 100);
-  ring.holes.push_back(rectangle(-40, -40, 40, 40));
-  EXPECT_NEAR(meanWidthOf(*makePart("frame", ring)), 1e-3 * 2 * 3600 / 720, 1e-6);
-  EXPECT_NEAR(meanWidthOf(*makePart("printed", printedPlate())),
-              1e-3 * 2 * (3600 - 4 * 16 * M_PI) / (240 + 4 * 8 * M_PI), 2e-5);
-}
-
 /// Whether checkPartSize refuses the plate; at 1.7 m a pixel of the pinhole is a millimetre.
 testing::AssertionResult refusedAt(const sim::Plate& plate, double distance_min,
                                    double distance_max, const std::vector<std::string>& words) {
   const auto part = makePart("plate", plate);
   const Camera camera = makeCamera(kPinhole);
   return refuses([&] { checkPartSize(*part, camera, distance_min, distance_max); }, words);
-}
-
-TEST(PartSize, TheExtentIsThatOfTheTightestRectangle) {
-  for (const double turn : {0.0, 30.0, 77.0, 90.0}) {
-    const Extent extent = extentOf(*makePart("bar", bar(80, 12, turn)));
-    EXPECT_NEAR(extent.length, 0.080, 1e-6) << turn;
-    EXPECT_NEAR(extent.width, 0.012, 1e-6) << turn;
-  }
 }
 
 TEST(PartSize, RefusesADrawingInInchesReadAsMillimetres) {
@@ -168,11 +151,5 @@ TEST(PartSize, SmallPartsAreLocated) {
 }
 
 // How near two of them can lie side by side: a bar's width, the radius of a part that is none.
-TEST(PartSize, TheGrainOfASlenderPartIsItsWidth) {
-  EXPECT_NEAR(grainOf(*makePart("bar", slenderPlate())), 0.010, 1e-6);
-  const auto bracket = makePart("bracket", bracketPlate());
-  EXPECT_NEAR(grainOf(*bracket), bracket->radius(), 1e-9);
-}
-
 }  // namespace
 }  // namespace planar_bin_picking

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// How large parts are in the picture: too few pixels are borne out by chance.
+/// How large a part is, in metres, and how far it can be told from chance in a picture.
 
 #include "planar_bin_picking/part/part_model.h"
 

@@ -131,7 +131,7 @@ TEST_F(DrawingContours, KeepsOutlinesOfVeryShortLines) {
   EXPECT_TRUE(boxNear(drawing.loops[1], -2, -2, 2, 2));
 }
 
-TEST_F(DrawingContours, DropsCrumbs) {
+TEST_F(DrawingContours, DropsSlivers) {
   DxfWriter dxf;
   dxf.line(0, 0, 40, 0).line(40, 0, 40, 20).line(40, 20, 0, 20).line(0, 20, 0, 0);
   dxf.line(40, 20, 40.03, 20).line(20, 10, 20.04, 10).circle(10, 10, 0.005);
