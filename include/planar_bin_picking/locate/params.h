@@ -69,7 +69,7 @@ struct RefineParams {
   int field_iterations = 14;
   double field_reach_radii = 0.13;  ///< radii of the part within which an edgel attracts, at first
   double field_reach_end_px = 2.0;  ///< field pixels, at last
-  double field_inliers_min = 0.45;  ///< poses below are dropped before the image is looked at
+  double field_inliers_min = 0.4;   ///< poses below are dropped before the image is looked at
   int max_poses = 400;              ///< of a part that go on to the image
   double image_inliers_min = 0.4;   ///< poses below are dropped after the first look at the image
   double search_below = 0.92;       ///< poses better supported need no search about them
