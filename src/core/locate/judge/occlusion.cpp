@@ -3,8 +3,8 @@
 #include "locate/judge/occlusion.h"
 
 #include "base/scatter.h"
+#include "locate/judge/flat_face.h"
 
-#include <opencv2/imgproc.hpp>
 #include <opencv2/imgproc/detail/gcgraph.hpp>
 
 #include <algorithm>
@@ -22,37 +22,6 @@ constexpr float kOutside = 1e3f;
 constexpr double kTexture = 2.0;   // times the face's usual change from cell to cell: a border
 constexpr double kFaintest = 3.0;  // grey levels per sample: the least that passes for usual
 constexpr float kOwn = 2.0f;       // samples about the outline within which edges are its own
-
-/// The face as if seen from straight above, kSamples per cell.
-cv::Mat flatten(const FaceGrid& grid, const cv::Mat& image,
-                const std::vector<Eigen::Vector2f>& corners) {
-  cv::Mat_<cv::Vec2f> at(kSamples * grid.rows(), kSamples * grid.cols());
-  const int stride = grid.cols() + 1;
-  for (int y = 0; y < at.rows; ++y) {
-    const float v = (static_cast<float>(y % kSamples) + 0.5f) / kSamples;
-    for (int x = 0; x < at.cols; ++x) {
-      const float u = (static_cast<float>(x % kSamples) + 0.5f) / kSamples;
-      const auto* const c =
-          &corners[static_cast<std::size_t>(y / kSamples * stride + x / kSamples)];
-      const Eigen::Vector2f p =
-          (1 - v) * ((1 - u) * c[0] + u * c[1]) + v * ((1 - u) * c[stride] + u * c[stride + 1]);
-      at(y, x) = {p.x(), p.y()};
-    }
-  }
-  cv::Mat flat;
-  cv::remap(image, flat, at, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return flat;
-}
-
-/// How fast brightness changes, grey levels per sample; 0 about the part's own lines.
-cv::Mat_<float> changeOf(const FaceGrid& grid, const cv::Mat& flat) {
-  cv::Mat_<float> x, y, change;
-  cv::Scharr(flat, x, CV_32F, 1, 0, 1.0 / 32.0);
-  cv::Scharr(flat, y, CV_32F, 0, 1, 1.0 / 32.0);
-  cv::magnitude(x, y, change);
-  change.setTo(0.0f, grid.fromOutline() < kOwn);
-  return change;
-}
 
 /// For each link, the strongest change between the middles of its cells.
 std::vector<double> alongLinks(const FaceGrid& grid, const cv::Mat_<float>& change) {
@@ -89,13 +58,12 @@ bool isInside(const cv::Mat& image, const Eigen::Vector2f& pixel) {
 std::vector<int> findOcclusion(const FaceGrid& grid, const EdgeMap& edges, const Camera& camera,
                                const Eigen::Isometry3d& T_camera_part, double z,
                                const std::vector<OutlinePiece>& outline) {
-  const auto pixelOf = [&](const Eigen::Vector2d& p) -> Eigen::Vector2f {
-    return camera.project(T_camera_part * Eigen::Vector3d(p.x(), p.y(), z)).cast<float>();
+  const auto pixelOf = [&](const Eigen::Vector2d& p) {
+    return pixelOnFace(camera, T_camera_part, p, z);
   };
-  std::vector<Eigen::Vector2f> corners;
-  for (int row = 0; row <= grid.rows(); ++row)
-    for (int col = 0; col <= grid.cols(); ++col) corners.push_back(pixelOf(grid.corner(col, row)));
-  const auto changes = alongLinks(grid, changeOf(grid, flatten(grid, edges.image, corners)));
+  cv::Mat_<float> change = changeOf(flatten(grid, edges.image, camera, T_camera_part, z));
+  change.setTo(0.0f, grid.fromOutline() < kOwn);
+  const auto changes = alongLinks(grid, change);
   const double border = kTexture * usual(changes);
 
   const int n = static_cast<int>(grid.cells().size());

@@ -7,6 +7,7 @@
 #include "locate/evidence/hole_evidence.h"
 #include "locate/evidence/inlier_score.h"
 #include "locate/evidence/print_evidence.h"
+#include "locate/judge/flat_face.h"
 #include "locate/judge/occlusion.h"
 #include "part/outline_view.h"
 
@@ -31,6 +32,7 @@ struct Groups {
   std::array<std::vector<LocalPoint>, 3> points;  // by LoopKind
   std::array<double, 3> length{};                 // metres
   std::vector<Hole> holes;
+  std::vector<Eigen::Vector2d> middles;  // of the holes
 };
 
 /// Metres.
@@ -50,6 +52,9 @@ Groups groupsOf(const PartModel& part, int count) {
     out.length[static_cast<int>(loops[i].kind)] += lengthOf(loops[i]);
     if (loops[i].kind != LoopKind::kHole) continue;
     const auto of_it = [i](const OutlinePoint& p) { return p.loop == i; };
+    Eigen::AlignedBox2d box;
+    for (const auto& p : loops[i].points) box.extend(p);
+    out.middles.push_back(box.center());
     out.holes.push_back({i, widthOf(loops[i]), localPoints(part, kHolePoints, of_it)});
   }
   return out;
@@ -129,6 +134,16 @@ double provenWrong(const PartModel& part, const std::vector<Hole>& holes, const 
   return proof;
 }
 
+/// What edges inside the outline that the drawing does not have leave of the score.
+double leftBy(const PartModel& part, const Groups& group, const EdgeMap& edges,
+              const Camera& camera, const RefinedPose& pose, const std::vector<int>& covered) {
+  // No more, since in a stack the holes of the parts below may look like one too many.
+  constexpr double kExtraHole = 0.1;
+  const cv::Mat flat =
+      flatten(part.faceGrid(), edges.image, camera, pose.T_camera_part, part.faceZ(pose.face));
+  return hasExtraHole(part.faceGrid(), flat, covered, group.middles) ? 1.0 - kExtraHole : 1.0;
+}
+
 }  // namespace
 
 std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
@@ -169,7 +184,8 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
       sum += out[i].print;
       ++count;
     }
-    out[i].score = sum / count * (1.0 - provenWrong(part, group.holes, edges, camera, r, pieces));
+    out[i].score = sum / count * (1.0 - provenWrong(part, group.holes, edges, camera, r, pieces)) *
+                   leftBy(part, group, edges, camera, r, out[i].covered);
   });
   return out;
 }

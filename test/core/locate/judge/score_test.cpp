@@ -94,6 +94,18 @@ TEST(Score, AHoleOfWhatLiesOverThePartProvesNothing) {
   EXPECT_NEAR(scored(scene, part, sim::poseOf(kLie)).score, bare, 0.05);
 }
 
+TEST(Score, AHoleTooManyCosts) {
+  const auto part = makePart("bracket", bracketPlate());
+  const double plain = scored(sceneOf(bracketPlate(), kLie), part, sim::poseOf(kLie)).score;
+  sim::Plate drilled = bracketPlate();
+  drilled.holes.push_back(circle(-18, -18, 5, true));
+  EXPECT_NEAR(scored(sceneOf(drilled, kLie), part, sim::poseOf(kLie)).score, 0.9 * plain, 0.02);
+  // A label there is none: what it shows is not what is seen through the holes.
+  sim::Scene labelled = sceneOf(bracketPlate(), kLie);
+  labelled.plates.push_back({{circle(-18, -18, 5), {}, {}, 0.0}, sim::poseOf(kLie), 240.0});
+  EXPECT_NEAR(scored(labelled, part, sim::poseOf(kLie)).score, plain, 0.02);
+}
+
 TEST(Score, AsMuchOfThePrintAsIsInViewIsJudged) {
   const auto part = makePart("printed", printedPlate());
   sim::Scene scene = sceneOf(printedPlate(), kLie);

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// A posed part's face as if seen from straight above.
+
+#include "planar_bin_picking/image/camera.h"
+#include "planar_bin_picking/part/face_grid.h"
+
+#include <Eigen/Geometry>
+
+namespace planar_bin_picking {
+
+/// Where the camera sees a point of the face.
+/// @param z  of the face in the part frame
+inline Eigen::Vector2f pixelOnFace(const Camera& camera, const Eigen::Isometry3d& T_camera_part,
+                                   const Eigen::Vector2d& point, double z) {
+  return camera.project(T_camera_part * Eigen::Vector3d(point.x(), point.y(), z)).cast<float>();
+}
+
+/// Grey levels, FaceGrid::kSamples to a cell's side.
+cv::Mat flatten(const FaceGrid& grid, const cv::Mat& image, const Camera& camera,
+                const Eigen::Isometry3d& T_camera_part, double z);
+
+/// How fast the brightness of a flattened face changes, grey levels per sample.
+cv::Mat_<float> changeOf(const cv::Mat& flat);
+
+/// Whether the face shows a closed edge where the drawing has none, as clear as its own, and within
+/// it the same as through the drawn holes: a hole too many. A label, or what lies on the part,
+/// looks otherwise.
+/// @param flat     of flatten
+/// @param covered  cells, in order; what covers the part may have holes of its own
+/// @param holes    middles of the drawn holes, part frame
+bool hasExtraHole(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
+                  const std::vector<int>& covered, const std::vector<Eigen::Vector2d>& holes);
+
+}  // namespace planar_bin_picking
