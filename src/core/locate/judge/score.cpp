@@ -184,8 +184,11 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
       sum += out[i].print;
       ++count;
     }
-    out[i].score = sum / count * (1.0 - provenWrong(part, group.holes, edges, camera, r, pieces)) *
-                   leftBy(part, group, edges, camera, r, out[i].covered);
+    out[i].score = sum / count;
+    // What is not returned anyway needs no proof against it.
+    if (out[i].score < params.threshold) return;
+    out[i].score *= 1.0 - provenWrong(part, group.holes, edges, camera, r, pieces);
+    out[i].score *= leftBy(part, group, edges, camera, r, out[i].covered);
   });
   return out;
 }
