@@ -8,6 +8,9 @@
 /// The score is the mean support (Eq. 12 of [1], noise excluded, less with distance) of outer
 /// contour, holes and print, each counting the same. Differs from [1] Sec. III-D, which averages
 /// over all points: holes are short but hardly ever matched by chance (measured in test/benchmark).
+/// Of the print only what is in view counts. What is proof against a pose lowers the score however
+/// well the rest fits: a resolved hole that is seen clearly elsewhere or of another size
+/// (hole_evidence.h), and, by a tenth, a hole too many (flat_face.h).
 
 #include "image/edge_map.h"
 #include "planar_bin_picking/image/camera.h"
