@@ -39,13 +39,13 @@ ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
 
 CalibratorRos::CalibratorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : params_(loadCalibratorParams(readTree(pnh, kCalibratorParams))),
-      board_(planar_bin_picking::parseBoard(params_.board, params_.square)),
       image_nh_(onQueue(nh, &image_queue_)),
       call_pnh_(onQueue(pnh, &call_queue_)),
       tf_listener_(tf_buffer_),
       source_(image_nh_, pnh),
       robot_(nh,
              {params_.base_frame, params_.speed_scale, params_.move_timeout, params_.stop_timeout}),
+      board_(params_, &source_, &tf_buffer_, [this] { robot_.checkStop(); }),
       image_spinner_(1, &image_queue_),
       call_spinner_(3, &call_queue_) {
   ROS_INFO_STREAM("calibrator:" << describe(params_));
@@ -53,6 +53,7 @@ CalibratorRos::CalibratorRos(const ros::NodeHandle& nh, const ros::NodeHandle& p
   markers_ = call_pnh_.advertise<visualization_msgs::MarkerArray>(kPlanTopic, 1, true);
   services_ = {call_pnh_.advertiseService(kStartService, &CalibratorRos::start, this),
                call_pnh_.advertiseService(kAbortService, &CalibratorRos::abort, this),
+               call_pnh_.advertiseService(kNextService, &CalibratorRos::next, this),
                call_pnh_.advertiseService(kPlanService, &CalibratorRos::plan, this),
                call_pnh_.advertiseService(kAddSampleService, &CalibratorRos::addSample, this),
                call_pnh_.advertiseService(kFinishService, &CalibratorRos::finish, this)};
@@ -83,10 +84,11 @@ void CalibratorRos::setStatus(const std::string& text) {
 }
 
 std::string CalibratorRos::stoppedStatus() {
-  if (robot_.isStopConfirmed()) return "ABORTED: the robot stopped as asked; nothing was saved";
+  if (robot_.isStopConfirmed())
+    return "ABORTED: the robot stopped as asked; no calibration was saved";
   ROS_FATAL_STREAM("the stop was not confirmed: the robot may be moving; use its own stop");
-  return "FAILED: stop was not confirmed: the robot may be moving; use its own stop; nothing was "
-         "saved";
+  return "FAILED: stop was not confirmed: the robot may be moving; use its own stop; no "
+         "calibration was saved";
 }
 
 CalibratorTask::Hold CalibratorRos::begin(CalibratorTask::Kind kind) {
@@ -134,134 +136,50 @@ void CalibratorRos::runThread(CalibratorTask::Hold hold) {
     status = calibrate();
   } catch (const std::exception& error) {
     // Where an image was awaited it failed because it was stopped.
-    status = robot_.isAskedToStop() ? stoppedStatus() : std::string("FAILED: ") + error.what();
+    status = robot_.isAskedToStop()
+                 ? stoppedStatus()
+                 : "FAILED: " + std::string(error.what()) + robot_.stopAfterFailure();
   }
   // Whoever reads the last status may start anew.
   hold.release();
   setStatus(status);
 }
 
-HandEyeProblem CalibratorRos::emptyProblem(const Look& look) const {
-  HandEyeProblem problem;
-  problem.mounting = params_.mountingValue();
-  problem.board = board_;
-  problem.width = look.image.cols;
-  problem.height = look.image.rows;
-  if (params_.fixed_camera) problem.camera = toCamera(*look.frame.info, *look.frame.image).model();
-  return problem;
-}
-
-Eigen::Isometry3d CalibratorRos::flangeAt(const ros::Time& stamp) const {
-  constexpr double kSlice = 0.1;  // s; so long a stop waits at most
-  for (double left = params_.tf_timeout;; left -= kSlice) {
-    robot_.checkStop();
-    const LookupResult flange =
-        lookup(tf_buffer_, params_.base_frame, params_.flange_frame, stamp,
-               std::chrono::duration<double>(std::clamp(left, 0.0, kSlice)));
-    if (flange.T_target_source) return *flange.T_target_source;
-    if (left > kSlice) continue;
-    throw std::runtime_error("tf has no way from " + params_.base_frame + " to " +
-                             params_.flange_frame + " at the image's stamp (" + flange.reason +
-                             "); check base_frame, flange_frame and the robot's driver");
-  }
-}
-
-CalibratorRos::Look CalibratorRos::look() {
-  Look look;
-  look.frame = source_.await(ros::Time(), ros::Duration(params_.image_timeout));
-  look.T_base_flange = flangeAt(look.frame.image->header.stamp);
-  look.image = toGrey(look.frame.image);
-  look.board = planar_bin_picking::findBoard(look.image, board_, params_.blur_max_px);
-  return look;
+CalibrationDrive::Listener CalibratorRos::listener() {
+  return {[this](const std::string& status) { setStatus(status); },
+          [this](const CalibrationRun& run, const std::vector<Eigen::Isometry3d>& way) {
+            show(run, way);
+          },
+          [](const Look&) {}};
 }
 
 std::string CalibratorRos::calibrate() {
   planar_bin_picking::checkCalibrationFolder(params_.output_folder);
-  const Look first = look();
-  if (first.board.status != BoardSighting::Status::kFound) {
-    throw std::runtime_error(whyNoBoard(first.board, first.image, board_));
-  }
-  CalibrationRun run(emptyProblem(first), params_.solver, params_.run, first.T_base_flange);
-  bool move = false;  // the first picture is taken where the robot stands
-  while (const auto target = run.next()) {
-    robot_.checkStop();
-    setStatus("running: pose " + std::to_string(run.attempts()) + ", " +
-              std::to_string(run.problem().sightings.size()) + " pictures so far");
-    show(run);
-    visit(*target, move, first, &run);
-    move = true;
-  }
-  show(run);
-  const std::string back = goBack(first.T_base_flange);
+  const Look first = board_.takeWithBoard();
+  CalibrationDrive drive(params_, board_, &robot_, listener(), first, board_.problemFor(first));
+  const std::string back = drive.drive();
   setStatus("running: solving");
-  HandEyeResult result = run.result();
+  HandEyeResult result = drive.run().result();
   robot_.checkStop();
-  if (result.verdict != Verdict::kGood) explain(run, &result);
-  return save(run.problem(), result, first.frame.image->header.frame_id) + back;
+  if (result.verdict != Verdict::kGood) explain(drive.run(), &result);
+  return save(drive.run().problem(), result, first.frame.image->header.frame_id) + back;
 }
 
-bool CalibratorRos::goTo(const Eigen::Isometry3d& T_base_flange,
-                         Eigen::Isometry3d* T_base_reached) {
-  const auto answer = robot_.move(T_base_flange);
-  if (!answer.success) {
-    ROS_WARN_STREAM("the robot cannot go there: " << answer.message);
-    return false;
-  }
-  const std::string& frame = answer.reached.header.frame_id;
-  if (frame != params_.base_frame) {
-    throw std::runtime_error("the robot says in frame \"" + frame + "\" where it stands, must be " +
-                             params_.base_frame + ", as in the request; correct its adapter");
-  }
-  *T_base_reached = fromMsg(answer.reached.pose);
-  checkNear(T_base_flange, *T_base_reached, params_, "the robot says that it stands",
-            "where it was sent");
-  return true;
-}
-
-std::string CalibratorRos::goBack(const Eigen::Isometry3d& T_base_start) {
-  std::string reason = "the robot cannot go there";
-  try {
-    if (robot_.move(T_base_start).success) return "";
-  } catch (const Stopped&) {
-    throw;
-  } catch (const std::exception& error) {
-    reason = error.what();
-  }
-  ROS_ERROR_STREAM("the robot did not return to the start: " << reason);
-  return "; the robot did not return to the start: " + reason;
-}
-
-void CalibratorRos::show(const CalibrationRun& run) {
+void CalibratorRos::show(const CalibrationRun& run, const std::vector<Eigen::Isometry3d>& way) {
   const auto& solution = run.solution();
-  markers_.publish(makePlanMarkers(params_.base_frame, params_.mountingValue(), run.poses(),
-                                   solution ? &*solution : nullptr));
+  auto markers = makePlanMarkers(params_.base_frame, params_.mountingValue(), run.poses(),
+                                 solution ? &*solution : nullptr);
+  addWay(params_.base_frame, way, &markers);
+  markers_.publish(markers);
+  const std::string next = describeWay(way);
   const std::lock_guard<std::mutex> lock(status_mutex_);
-  poses_so_far_ = summarize(run.poses());
+  poses_so_far_ = summarize(run.poses()) + (next.empty() ? "" : "; the next way leads " + next);
 }
 
-void CalibratorRos::visit(const Eigen::Isometry3d& T_base_flange, bool move, const Look& first,
-                          CalibrationRun* run) {
-  Eigen::Isometry3d T_base_reached = first.T_base_flange;
-  if (move) {
-    if (!goTo(T_base_flange, &T_base_reached)) {
-      run->refused();
-      return;
-    }
-    robot_.pause(params_.settle);
-  }
-  const Look seen = look();
-  checkSameCamera(first.frame, seen.frame);
-  checkNear(T_base_reached, seen.T_base_flange, params_,
-            "tf is stale or of another frame: it has the flange",
-            "where the robot says that it stands");
-  if (seen.board.status != BoardSighting::Status::kFound) {
-    ROS_WARN_STREAM((seen.board.status == BoardSighting::Status::kBlurred ? "board blurred"
-                                                                          : "board not seen"));
-    run->lost();
-    return;
-  }
-  run->seen({"picture " + std::to_string(run->problem().sightings.size() + 1), seen.T_base_flange,
-             seen.board.corners});
+bool CalibratorRos::next(Request&, Response& response) {
+  response.success = robot_.go();
+  response.message = response.success ? "the robot goes" : "no move waits for ~next";
+  return true;
 }
 
 std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResult& result,
@@ -290,24 +208,29 @@ std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResu
   return status.str();
 }
 
+void CalibratorRos::showPlan(const Look& first) {
+  CalibrationRun run(board_.problemFor(first), params_.solver, params_.run, first.T_base_flange);
+  std::vector<Eigen::Isometry3d> way{first.T_base_flange};
+  // Later poses depend on what is seen: these are the first ones.
+  constexpr int kFirstPoses = 6;
+  for (int i = 0; i < kFirstPoses && run.next(); ++i) {
+    if (way.size() == 1) way.insert(way.end(), run.way().begin(), run.way().end());
+    while (const auto pose = run.step()) run.arrived(*pose);
+  }
+  show(run, way);
+}
+
 bool CalibratorRos::plan(Request&, Response& response) {
-  const auto say = [&] {
+  const auto say = [&](const std::string& begin, const std::string& end) {
     const std::lock_guard<std::mutex> lock(status_mutex_);
     response.success = true;
-    response.message = "under way; on ~plan_markers are " + poses_so_far_;
+    response.message = begin + poses_so_far_ + end;
   };
-  if (task_.duringRun(say)) return true;
+  if (task_.duringRun([&] { say("under way; on ~plan_markers are ", ""); })) return true;
   try {
     const auto hold = begin(CalibratorTask::Kind::kPlan);
-    const Look first = look();
-    CalibrationRun run(emptyProblem(first), params_.solver, params_.run, first.T_base_flange);
-    // Later poses depend on what is seen: these are the first ones.
-    for (int i = 0; i < 6 && run.next(); ++i) {
-    }
-    show(run);
-    response.success = true;
-    response.message = "the first " + std::to_string(run.poses().size()) +
-                       " poses are on ~plan_markers; later ones follow from what is seen";
+    showPlan(board_.take());
+    say("on ~plan_markers are the first ", "; later ones follow from what is seen");
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
@@ -316,7 +239,7 @@ bool CalibratorRos::plan(Request&, Response& response) {
 }
 
 void CalibratorRos::keep(const Look& seen) {
-  if (!samples_) samples_ = std::make_unique<Samples>(Samples{emptyProblem(seen), seen.frame});
+  if (!samples_) samples_ = std::make_unique<Samples>(Samples{board_.problemFor(seen), seen.frame});
   checkSameCamera(samples_->first, seen.frame);
   auto& sightings = samples_->problem.sightings;
   sightings.push_back(
@@ -326,7 +249,7 @@ void CalibratorRos::keep(const Look& seen) {
 bool CalibratorRos::addSample(Request&, Response& response) {
   try {
     const auto hold = begin(CalibratorTask::Kind::kAddSample);
-    const Look seen = look();
+    const Look seen = board_.take();
     response.success = seen.board.status == BoardSighting::Status::kFound;
     if (response.success) keep(seen);
     response.message =

@@ -3,9 +3,12 @@
 #pragma once
 
 /// The calibrator as a ROS node. Does nothing before `~start`; then moves, looks and solves in a
-/// thread of its own, and says on the latched `~status` how it stands. A run ends with a status
-/// that begins with GOOD, POOR, REFUSED, ABORTED (the robot confirmed that it stopped) or FAILED.
+/// thread of its own, and says on the latched `~status` how it stands: "waiting" where it asks for
+/// ~next. A run ends with a status that begins with GOOD, POOR, REFUSED, ABORTED (the robot
+/// confirmed that it stopped) or FAILED.
 
+#include "calibrator/board_look.h"
+#include "calibrator/calibration_drive.h"
 #include "calibrator/calibrator_params.h"
 #include "calibrator/calibrator_task.h"
 #include "calibrator/robot_mover.h"
@@ -41,13 +44,6 @@ class CalibratorRos {
   using Request = std_srvs::Trigger::Request;
   using Response = std_srvs::Trigger::Response;
 
-  /// A picture and where the flange was when it was taken.
-  struct Look {
-    planar_bin_picking::BoardSighting board;
-    Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
-    cv::Mat image;
-    Frame frame;
-  };
   /// Pictures of push mode.
   struct Samples {
     planar_bin_picking::HandEyeProblem problem;
@@ -56,6 +52,7 @@ class CalibratorRos {
 
   bool start(Request&, Response& response);
   bool abort(Request&, Response& response);
+  bool next(Request&, Response& response);
   bool plan(Request&, Response& response);
   bool addSample(Request&, Response& response);
   bool finish(Request&, Response& response);
@@ -64,20 +61,13 @@ class CalibratorRos {
   void runThread(CalibratorTask::Hold hold);
   /// Moves and looks until the run has enough. @return  the final status
   std::string calibrate();
-  /// Goes to the pose and looks; tells the run what came of it.
-  void visit(const Eigen::Isometry3d& T_base_flange, bool move, const Look& first,
-             planar_bin_picking::CalibrationRun* run);
-  /// @return  false where the robot cannot go there
-  bool goTo(const Eigen::Isometry3d& T_base_flange, Eigen::Isometry3d* T_base_reached);
-  /// @return  what went wrong, which costs no calibration
-  std::string goBack(const Eigen::Isometry3d& T_base_start);
-  /// @throws std::runtime_error  no image, no transform
-  Look look();
-  Eigen::Isometry3d flangeAt(const ros::Time& stamp) const;
-  planar_bin_picking::HandEyeProblem emptyProblem(const Look& look) const;
   void keep(const Look& seen);
+  CalibrationDrive::Listener listener();
   /// Publishes the run's poses and keeps what ~plan says of them.
-  void show(const planar_bin_picking::CalibrationRun& run);
+  void show(const planar_bin_picking::CalibrationRun& run,
+            const std::vector<Eigen::Isometry3d>& way);
+  /// The first poses of a run that begins now.
+  void showPlan(const Look& first);
   std::string save(const planar_bin_picking::HandEyeProblem& problem,
                    const planar_bin_picking::HandEyeResult& result,
                    const std::string& camera_frame);
@@ -86,7 +76,6 @@ class CalibratorRos {
   std::string stoppedStatus();
 
   const CalibratorParams params_;
-  const planar_bin_picking::Board board_;
   ros::CallbackQueue image_queue_, call_queue_;
   ros::NodeHandle image_nh_, call_pnh_;
   TransformBuffer tf_buffer_;
@@ -94,6 +83,7 @@ class CalibratorRos {
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   ImageSource source_;
   RobotMover robot_;
+  const BoardLook board_;
   CalibratorTask task_;
   std::thread thread_;                // of the run; whoever begins one has the task
   std::unique_ptr<Samples> samples_;  // whoever has the task

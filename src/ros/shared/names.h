@@ -22,6 +22,7 @@ constexpr char kTakeService[] = "take";
 constexpr char kMoveRobotService[] = "move_robot";
 constexpr char kStartService[] = "start";
 constexpr char kAbortService[] = "abort";
+constexpr char kNextService[] = "next";
 constexpr char kPlanService[] = "plan";
 constexpr char kAddSampleService[] = "add_sample";
 constexpr char kFinishService[] = "finish";
