@@ -21,6 +21,7 @@
 ///     blind       takes no pictures
 ///     late_tf     tf comes 1 s late
 ///     no_tf       tf does not come
+/// `~bump_mm` moves the camera on its mount, likewise at any time.
 /// What it was asked for is published: `target`, `speed`, and how many `moves` and `stops`.
 
 #include "support/simulated_run.h"
@@ -220,6 +221,10 @@ class CalibrationCell {
     }
     image.header.frame_id = "camera";
     Eigen::Isometry3d T_camera_board = world_.cell.cameraBoard(at);
+    // Somebody runs into the camera.
+    Vector6d bump = Vector6d::Zero();
+    bump[0] = 1e-3 * pnh_.param("bump_mm", 0.0);
+    T_camera_board = exp(bump).inverse() * T_camera_board;
     // Somebody carries the board off: too far away to be made out.
     if (board_moves_ >= 0 && count_ > board_moves_) T_camera_board.translation().z() += 5.0;
     const cv::Mat picture = sim::takeBoardImage(world_.cell, T_camera_board, 0.7, 2.0, ++pictures_);

@@ -95,10 +95,11 @@ class CalibrationRun {
   /// The robot did not go there, or not all the way: it refused this pose.
   void refused(const Eigen::Isometry3d& T_base_flange);
   void lost();  ///< it went, and the board was not seen
-  /// A picture from where there is one already counts once.
+  /// A picture from where there is one already (isKnown()) counts once.
   /// @throws std::runtime_error  camera or board are seen to be further from the flange than
   /// mounted_radius_m
   void seen(const Sighting& sighting);
+  bool isKnown(const Eigen::Isometry3d& T_base_flange) const;
   /// Since the robot last moved.
   int refusalsInARow() const { return refusals_; }
 

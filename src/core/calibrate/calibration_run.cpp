@@ -239,13 +239,16 @@ void CalibrationRun::lost() {
   caution_ *= 1.3;
 }
 
+bool CalibrationRun::isKnown(const Eigen::Isometry3d& T_base_flange) const {
+  return std::any_of(problem_.sightings.begin(), problem_.sightings.end(),
+                     [&](const Sighting& other) {
+                       return isNear(other.T_base_flange, T_base_flange, kSameMetres, kSameRadians);
+                     });
+}
+
 void CalibrationRun::seen(const Sighting& sighting) {
   poses_.back().state = PlannedPose::State::kSeen;
-  const bool is_known =
-      std::any_of(problem_.sightings.begin(), problem_.sightings.end(), [&](const Sighting& other) {
-        return isNear(other.T_base_flange, sighting.T_base_flange, kSameMetres, kSameRadians);
-      });
-  if (is_known) return;
+  if (isKnown(sighting.T_base_flange)) return;
   problem_.sightings.push_back(sighting);
   update();
 }

@@ -117,9 +117,8 @@ void CalibrationDrive::visit(const Eigen::Isometry3d& T_base_target) {
     run_.lost();
     return;
   }
-  listener_.keep(seen);
-  run_.seen({"picture " + std::to_string(run_.problem().sightings.size() + 1), seen.T_base_flange,
-             seen.board.corners});
+  const bool is_known = run_.isKnown(seen.T_base_flange);
+  run_.seen({is_known ? "" : listener_.keep(seen), seen.T_base_flange, seen.board.corners});
 }
 
 std::string CalibrationDrive::goBack() {

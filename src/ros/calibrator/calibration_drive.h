@@ -23,7 +23,7 @@ class CalibrationDrive {
     std::function<void(const planar_bin_picking::CalibrationRun&,
                        const std::vector<Eigen::Isometry3d>& way)>
         show;
-    std::function<void(const Look&)> keep;  ///< each picture of the board, once
+    std::function<std::string(const Look&)> keep;  ///< each picture of the board; its name
   };
 
   /// @param first    taken where the robot stands: the start

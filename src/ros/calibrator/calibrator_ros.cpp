@@ -30,6 +30,18 @@ namespace {
 /// s; what is published last needs it to reach those who listen, before the node goes.
 constexpr double kLastWord = 0.2;
 
+/// What a call does; what it throws is its answer.
+template <class Response, class Act>
+bool answer(Response* response, const Act& act) {
+  try {
+    act();
+  } catch (const std::exception& error) {
+    response->success = false;
+    response->message = error.what();
+  }
+  return true;
+}
+
 ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
   nh.setCallbackQueue(queue);
   return nh;
@@ -46,17 +58,27 @@ CalibratorRos::CalibratorRos(const ros::NodeHandle& nh, const ros::NodeHandle& p
       robot_(nh,
              {params_.base_frame, params_.speed_scale, params_.move_timeout, params_.stop_timeout}),
       board_(params_, &source_, &tf_buffer_, [this] { robot_.checkStop(); }),
+      samples_(params_),
+      verifier_(params_),
       image_spinner_(1, &image_queue_),
       call_spinner_(3, &call_queue_) {
   ROS_INFO_STREAM("calibrator:" << describe(params_));
   status_ = call_pnh_.advertise<std_msgs::String>(kStatusTopic, 10, true);
   markers_ = call_pnh_.advertise<visualization_msgs::MarkerArray>(kPlanTopic, 1, true);
-  services_ = {call_pnh_.advertiseService(kStartService, &CalibratorRos::start, this),
-               call_pnh_.advertiseService(kAbortService, &CalibratorRos::abort, this),
-               call_pnh_.advertiseService(kNextService, &CalibratorRos::next, this),
-               call_pnh_.advertiseService(kPlanService, &CalibratorRos::plan, this),
-               call_pnh_.advertiseService(kAddSampleService, &CalibratorRos::addSample, this),
-               call_pnh_.advertiseService(kFinishService, &CalibratorRos::finish, this)};
+  const auto serve = [this](const char* name, auto method) {
+    services_.push_back(call_pnh_.advertiseService(name, method, this));
+  };
+  serve(kStartService, &CalibratorRos::start);
+  serve(kAbortService, &CalibratorRos::abort);
+  serve(kNextService, &CalibratorRos::next);
+  serve(kPlanService, &CalibratorRos::plan);
+  serve(kAddViewsService, &CalibratorRos::addViews);
+  serve(kAddSampleService, &CalibratorRos::addSample);
+  serve(kRemoveSampleService, &CalibratorRos::removeSample);
+  serve(kListSamplesService, &CalibratorRos::listSamples);
+  serve(kLoadSamplesService, &CalibratorRos::loadSamples);
+  serve(kFinishService, &CalibratorRos::finish);
+  serve(kVerifyService, &CalibratorRos::verify);
   image_spinner_.start();
   call_spinner_.start();
   setStatus("ready: call ~start, with the board in view and the robot free to move");
@@ -98,23 +120,23 @@ CalibratorTask::Hold CalibratorRos::begin(CalibratorTask::Kind kind) {
   });
 }
 
-bool CalibratorRos::start(Request&, Response& response) {
-  try {
+bool CalibratorRos::startRun(bool adds, Response& response) {
+  return answer(&response, [&] {
     auto hold = begin(CalibratorTask::Kind::kRun);
     if (thread_.joinable()) thread_.join();  // of the run before, which says its last word
     {
       const std::lock_guard<std::mutex> status_lock(status_mutex_);
       poses_so_far_ = summarize({});
     }
-    thread_ = std::thread(&CalibratorRos::runThread, this, std::move(hold));
+    thread_ = std::thread(&CalibratorRos::runThread, this, std::move(hold), adds);
     response.success = true;
     response.message = "started; see ~status";
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
+  });
 }
+
+bool CalibratorRos::start(Request&, Response& response) { return startRun(false, response); }
+
+bool CalibratorRos::addViews(Request&, Response& response) { return startRun(true, response); }
 
 bool CalibratorRos::abort(Request&, Response& response) {
   // From here on no move begins, and nothing is waited for.
@@ -130,15 +152,16 @@ bool CalibratorRos::abort(Request&, Response& response) {
   return true;
 }
 
-void CalibratorRos::runThread(CalibratorTask::Hold hold) {
+void CalibratorRos::runThread(CalibratorTask::Hold hold, bool adds) {
   std::string status;
   try {
-    status = calibrate();
+    status = calibrate(adds);
   } catch (const std::exception& error) {
     // Where an image was awaited it failed because it was stopped.
     status = robot_.isAskedToStop()
                  ? stoppedStatus()
                  : "FAILED: " + std::string(error.what()) + robot_.stopAfterFailure();
+    status += samples_.keptText();
   }
   // Whoever reads the last status may start anew.
   hold.release();
@@ -150,19 +173,32 @@ CalibrationDrive::Listener CalibratorRos::listener() {
           [this](const CalibrationRun& run, const std::vector<Eigen::Isometry3d>& way) {
             show(run, way);
           },
-          [](const Look&) {}};
+          [this](const Look& look) { return samples_.add(look, board_.problemFor(look)); }};
 }
 
-std::string CalibratorRos::calibrate() {
+void CalibratorRos::haveSamples(const Look& look) {
+  if (samples_.isEmpty()) samples_.load();
+  checkCamera(samples_.set(), look);
+}
+
+std::string CalibratorRos::calibrate(bool adds) {
   planar_bin_picking::checkCalibrationFolder(params_.output_folder);
   const Look first = board_.takeWithBoard();
-  CalibrationDrive drive(params_, board_, &robot_, listener(), first, board_.problemFor(first));
+  HandEyeProblem problem = board_.problemFor(first);
+  if (adds) {
+    haveSamples(first);
+    problem.sightings = samples_.set().problem.sightings;
+  }
+  CalibrationDrive drive(params_, board_, &robot_, listener(), first, problem);
+  if (!adds) samples_.begin(problem, first.frame);
   const std::string back = drive.drive();
   setStatus("running: solving");
   HandEyeResult result = drive.run().result();
   robot_.checkStop();
   if (result.verdict != Verdict::kGood) explain(drive.run(), &result);
-  return save(drive.run().problem(), result, first.frame.image->header.frame_id) + back;
+  const std::string status = save(drive.run().problem(), result, samples_.set().camera_frame);
+  if (result.verdict != Verdict::kRefused) samples_.close();
+  return status + back + samples_.keptText();
 }
 
 void CalibratorRos::show(const CalibrationRun& run, const std::vector<Eigen::Isometry3d>& way) {
@@ -227,59 +263,85 @@ bool CalibratorRos::plan(Request&, Response& response) {
     response.message = begin + poses_so_far_ + end;
   };
   if (task_.duringRun([&] { say("under way; on ~plan_markers are ", ""); })) return true;
-  try {
+  return answer(&response, [&] {
     const auto hold = begin(CalibratorTask::Kind::kPlan);
     showPlan(board_.take());
     say("on ~plan_markers are the first ", "; later ones follow from what is seen");
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
-}
-
-void CalibratorRos::keep(const Look& seen) {
-  if (!samples_) samples_ = std::make_unique<Samples>(Samples{board_.problemFor(seen), seen.frame});
-  checkSameCamera(samples_->first, seen.frame);
-  auto& sightings = samples_->problem.sightings;
-  sightings.push_back(
-      {"sample " + std::to_string(sightings.size() + 1), seen.T_base_flange, seen.board.corners});
+  });
 }
 
 bool CalibratorRos::addSample(Request&, Response& response) {
-  try {
+  return answer(&response, [&] {
     const auto hold = begin(CalibratorTask::Kind::kAddSample);
+    planar_bin_picking::checkCalibrationFolder(params_.output_folder);
     const Look seen = board_.take();
     response.success = seen.board.status == BoardSighting::Status::kFound;
-    if (response.success) keep(seen);
+    if (response.success) samples_.add(seen, board_.problemFor(seen));
     response.message =
         (response.success ? "taken"
                           : "no sharp board of " + params_.board + " inner corners in view") +
-        std::string("; there are ") +
-        std::to_string(samples_ ? samples_->problem.sightings.size() : 0) +
-        " samples; ~finish solves";
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
+        std::string("; there are ") + std::to_string(samples_.size()) + " samples; ~finish solves";
+  });
+}
+
+bool CalibratorRos::removeSample(planar_bin_picking::RemoveSample::Request& request,
+                                 planar_bin_picking::RemoveSample::Response& response) {
+  return answer(&response, [&] {
+    const auto hold = begin(CalibratorTask::Kind::kSamples);
+    samples_.remove(request.number);
+    response.success = true;
+    response.message = "left are " + samples_.list();
+  });
+}
+
+bool CalibratorRos::listSamples(Request&, Response& response) {
+  return answer(&response, [&] {
+    const auto hold = begin(CalibratorTask::Kind::kSamples);
+    response.success = true;
+    response.message = samples_.list();
+  });
+}
+
+bool CalibratorRos::loadSamples(Request&, Response& response) {
+  return answer(&response, [&] {
+    const auto hold = begin(CalibratorTask::Kind::kSamples);
+    if (!samples_.isEmpty()) {
+      throw std::runtime_error("there are samples already" + samples_.keptText() +
+                               ", ~remove_sample removes them");
+    }
+    samples_.load();
+    response.success = true;
+    response.message = "loaded " + samples_.list();
+  });
 }
 
 bool CalibratorRos::finish(Request&, Response& response) {
-  try {
+  return answer(&response, [&] {
     const auto hold = begin(CalibratorTask::Kind::kFinish);
-    if (!samples_) throw std::runtime_error("there are no samples; take some with ~add_sample");
-    const HandEyeProblem& problem = samples_->problem;
+    if (samples_.isEmpty()) {
+      throw std::runtime_error(
+          "there are no samples; take some with ~add_sample, or go on with "
+          "those in output_folder by ~load_samples");
+    }
+    HandEyeProblem problem = samples_.set().problem;
+    // The lens that stays as it is is not among the samples on disk.
+    if (params_.fixed_camera) problem.camera = board_.problemFor(board_.take()).camera;
     const HandEyeResult result = planar_bin_picking::solveHandEye(problem, params_.solver);
-    response.message = save(problem, result, samples_->first.image->header.frame_id);
+    response.message = save(problem, result, samples_.set().camera_frame);
     response.success = result.verdict != Verdict::kRefused;
-    if (response.success) samples_.reset();
+    if (response.success) samples_.close();
     setStatus(response.message);
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
+  });
+}
+
+bool CalibratorRos::verify(Request&, Response& response) {
+  return answer(&response, [&] {
+    const auto hold = begin(CalibratorTask::Kind::kVerify);
+    const Look seen = board_.takeWithBoard();
+    const auto check = verifier_.verify(seen, board_.problemFor(seen));
+    response.success = check.holds();
+    response.message = check.text;
+  });
 }
 
 }  // namespace planar_bin_picking_ros

@@ -9,13 +9,16 @@
 
 #include "calibrator/board_look.h"
 #include "calibrator/calibration_drive.h"
+#include "calibrator/calibration_verifier.h"
 #include "calibrator/calibrator_params.h"
 #include "calibrator/calibrator_task.h"
 #include "calibrator/robot_mover.h"
+#include "calibrator/sample_store.h"
 #include "planar_bin_picking/calibrate/calibration_file.h"
 #include "shared/image_source.h"
 #include "shared/transform_listener.h"
 
+#include <planar_bin_picking/RemoveSample.h>
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
@@ -44,24 +47,27 @@ class CalibratorRos {
   using Request = std_srvs::Trigger::Request;
   using Response = std_srvs::Trigger::Response;
 
-  /// Pictures of push mode.
-  struct Samples {
-    planar_bin_picking::HandEyeProblem problem;
-    Frame first;
-  };
-
   bool start(Request&, Response& response);
   bool abort(Request&, Response& response);
   bool next(Request&, Response& response);
   bool plan(Request&, Response& response);
+  bool addViews(Request&, Response& response);
   bool addSample(Request&, Response& response);
+  bool removeSample(planar_bin_picking::RemoveSample::Request& request,
+                    planar_bin_picking::RemoveSample::Response& response);
+  bool listSamples(Request&, Response& response);
+  bool loadSamples(Request&, Response& response);
   bool finish(Request&, Response& response);
+  bool verify(Request&, Response& response);
 
   CalibratorTask::Hold begin(CalibratorTask::Kind kind);
-  void runThread(CalibratorTask::Hold hold);
+  /// @param adds  to the samples that are there
+  bool startRun(bool adds, Response& response);
+  void runThread(CalibratorTask::Hold hold, bool adds);
   /// Moves and looks until the run has enough. @return  the final status
-  std::string calibrate();
-  void keep(const Look& seen);
+  std::string calibrate(bool adds);
+  /// Those in memory; without any, those in the folder.
+  void haveSamples(const Look& look);
   CalibrationDrive::Listener listener();
   /// Publishes the run's poses and keeps what ~plan says of them.
   void show(const planar_bin_picking::CalibrationRun& run,
@@ -85,8 +91,9 @@ class CalibratorRos {
   RobotMover robot_;
   const BoardLook board_;
   CalibratorTask task_;
-  std::thread thread_;                // of the run; whoever begins one has the task
-  std::unique_ptr<Samples> samples_;  // whoever has the task
+  std::thread thread_;            // of the run; whoever begins one has the task
+  SampleStore samples_;           // whoever has the task
+  CalibrationVerifier verifier_;  // likewise
   std::mutex status_mutex_;
   std::string poses_so_far_;  // guarded by status_mutex_
   ros::Publisher status_, markers_;
