@@ -165,6 +165,10 @@ TEST_F(RobotMoverTest, NothingMovesAfterStop) {
   EXPECT_THROW(mover_->checkStop(), Stopped);
   EXPECT_THROW(mover_->pause(10.0), Stopped);
   mover_->reset(true);
+  mover_->forbidMoves();  // the gate is closed before any stop is sent
+  EXPECT_EQ(failure(), "stopped");
+  EXPECT_EQ(robot_->moves.size(), 1u);
+  mover_->reset(true);
   EXPECT_FALSE(mover_->isAskedToStop());
   EXPECT_TRUE(move().success);
 }
