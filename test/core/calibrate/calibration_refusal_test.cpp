@@ -62,5 +62,31 @@ TEST(CalibrationRefusal, IsNotAskedForAgain) {
   EXPECT_GT(refusals, 10u);
 }
 
+// Each axis both ways, then two and three at once: whatever a robot refuses, others are left.
+TEST(CalibrationRefusal, FirstMovesTurnAllWays) {
+  RunWorld world(true, 2);
+  RunParams params = wideRun();
+  params.refusals_max = 100;
+  CalibrationRun run(emptyProblem(world.cell), {}, params, world.T_base_start);
+  Eigen::Matrix3Xd turns(3, 14);
+  for (int i = -1; i < 14; ++i) {
+    const auto target = run.next();
+    ASSERT_TRUE(target);
+    const Eigen::Isometry3d off = world.T_base_start.inverse() * *target;
+    if (i >= 0) turns.col(i) = rotationVector(off.linear()) / (8.0 * sim::kDegree);
+    EXPECT_LT(off.translation().norm(), 0.04);
+    run.refused(world.T_base_start * exp(Vector6d::Constant(1.0)));  // elsewhere
+  }
+  const auto isNear = [&](int at, double x, double y, double z) {
+    return (turns.col(at) - Eigen::Vector3d(x, y, z)).norm() < 1e-6;
+  };
+  EXPECT_TRUE(isNear(0, 1, 0, 0) && isNear(1, 0, 1, 0) && isNear(2, 0, 0, 2));
+  EXPECT_LT((turns.leftCols(3) + turns.middleCols(3, 3)).norm(), 1e-6);
+  EXPECT_TRUE(isNear(6, 1, 1, 1) && isNear(7, -1, 1, 1));
+  EXPECT_TRUE(isNear(8, 1, -1, 1) && isNear(9, -1, -1, 1));
+  EXPECT_TRUE(isNear(10, 1, 0, 2) && isNear(11, -1, 0, -2));
+  EXPECT_TRUE(isNear(12, 0, 1, 2) && isNear(13, 0, -1, -2));
+}
+
 }  // namespace
 }  // namespace planar_bin_picking
