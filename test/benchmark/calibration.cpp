@@ -29,7 +29,7 @@ void addRun(unsigned seed, const Robot& robot, bool all_views, Runs* out) {
   world.failing = 0.02;
   HandEyeParams solver;
   if (all_views) solver.tolerance_mm = 0.001;
-  const RunOutcome outcome = world.run(RunParams(), solver);
+  const RunOutcome outcome = world.run(wideRun(), solver);
   ++out->runs;
   out->lost += outcome.lost;
   if (outcome.result.verdict == Verdict::kRefused) {

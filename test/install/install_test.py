@@ -36,6 +36,7 @@ COMMANDS = {
     "calibrate": r"roslaunch planar_bin_picking calibrate\.launch ",
     "plan": r"rosservice call /calibrator/plan$",
     "start": r"rosservice call /calibrator/start$",
+    "next": r"rosservice call /calibrator/next$",
     "status": r"rostopic echo /calibrator/status$",
     "calibrate_samples": r"rosrun planar_bin_picking calibrate_samples ",
     "play_scene": r"rosrun planar_bin_picking play_scene\.py ",
@@ -242,6 +243,8 @@ class Installed(unittest.TestCase):
             self.assertIn("success: True", session.wait_for(command("plan") + " | grep -A1 True", 30))
             session.start(command("status"), "status")
             self.assertIn("success: True", session.run(command("start")))
+            session.wait_for(f"grep waiting {self.root}/status.log", 120)
+            self.assertIn("success: True", session.run(command("next")))
             session.wait_for(f"grep -E 'GOOD|POOR|REFUSED|ABORTED|FAILED' {self.root}/status.log", 120)
             self.assertIn("GOOD", (self.root / "status.log").read_text())
         written = {path.name for path in (self.root / "calibration").iterdir()}

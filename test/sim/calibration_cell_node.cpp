@@ -5,18 +5,23 @@
 /// What goes wrong in it is switched on by parameters; `~manner` may change while it runs, and says
 /// how the robot takes the next request:
 ///     slow        a move takes 20 s
+///     slow_ways   a move takes 1 s
 ///     late        begins a move 0.5 s after it was asked for, whatever stop came before
 ///     hangs       does not answer a move any more, confirms stops
 ///     dead        answers neither moves nor stops
 ///     runs_on     as slow, but does not obey stops, and says so
 ///     protective  breaks each move off
+///     no_return   breaks off moves to where it was at the start
 ///     refuses     finds no pose reachable
+///     still       does not move, and says where it stands
 ///     elsewhere   goes 5 mm and 1 deg aside, and says so
 ///     lies        goes 5 mm and 1 deg aside, and says that it stands at the target
 ///     nan, frame  says so where it stands: not a number; in the flange's frame
 ///     dies        ends the process
 ///     blind       takes no pictures
 ///     late_tf     tf comes 1 s late
+///     no_tf       tf does not come
+/// `~bump_mm` moves the camera on its mount, likewise at any time.
 /// What it was asked for is published: `target`, `speed`, and how many `moves` and `stops`.
 
 #include "support/simulated_run.h"
@@ -130,15 +135,16 @@ class CalibrationCell {
     }
     response.reachable = true;
     if (manner_now == "dies") _exit(1);
-    if (manner_now == "protective") {
+    const bool is_start = target.isApprox(world_.T_base_start, 1e-6);
+    if (manner_now == "protective" || (manner_now == "no_return" && is_start)) {
       response.message = "the light curtain was broken";
       return true;
     }
     if (manner_now == "hangs" || manner_now == "dead") hang(manner_now);
     if (manner_now == "late") ros::WallDuration(0.5).sleep();
     if (manner_now == "elsewhere" || manner_now == "lies") target = target * aside();
-    response.success =
-        drive(target, manner_now == "slow" || manner_now == "runs_on" ? 20.0 : move_seconds_);
+    if (manner_now == "still") target = at_;
+    response.success = drive(target, secondsOf(manner_now));
     if (!response.success) response.message = "stopped";
     const std::lock_guard<std::mutex> lock(mutex_);
     response.reached = request.target;
@@ -148,6 +154,11 @@ class CalibrationCell {
     }
     if (manner_now == "frame") response.reached.header.frame_id = flange_frame_;
     return true;
+  }
+
+  double secondsOf(const std::string& manner_now) const {
+    if (manner_now == "slow" || manner_now == "runs_on") return 20.0;
+    return manner_now == "slow_ways" ? 1.0 : move_seconds_;
   }
 
   static Eigen::Isometry3d aside() {
@@ -178,7 +189,7 @@ class CalibrationCell {
   }
 
   void sendTf(const ros::TimerEvent&) {
-    if (!has_tf_) return;
+    if (!has_tf_ || manner() == "no_tf") return;
     const std::lock_guard<std::mutex> lock(mutex_);
     geometry_msgs::TransformStamped transform;
     const geometry_msgs::Pose pose = toMsg(said_);
@@ -210,6 +221,10 @@ class CalibrationCell {
     }
     image.header.frame_id = "camera";
     Eigen::Isometry3d T_camera_board = world_.cell.cameraBoard(at);
+    // Somebody runs into the camera.
+    Vector6d bump = Vector6d::Zero();
+    bump[0] = 1e-3 * pnh_.param("bump_mm", 0.0);
+    T_camera_board = exp(bump).inverse() * T_camera_board;
     // Somebody carries the board off: too far away to be made out.
     if (board_moves_ >= 0 && count_ > board_moves_) T_camera_board.translation().z() += 5.0;
     const cv::Mat picture = sim::takeBoardImage(world_.cell, T_camera_board, 0.7, 2.0, ++pictures_);

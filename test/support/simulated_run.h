@@ -9,9 +9,22 @@
 
 namespace planar_bin_picking {
 
+/// A hall with room for everything.
+inline RunParams wideRun() {
+  RunParams params;
+  MotionParams& motion = params.motion;
+  motion.workspace_min_x = motion.workspace_min_y = motion.workspace_min_z = -2.0;
+  motion.workspace_max_x = motion.workspace_max_y = motion.workspace_max_z = 2.0;
+  return params;
+}
+
 struct RunOutcome {
   HandEyeResult result;
-  std::vector<Eigen::Isometry3d> asked;
+  std::vector<Eigen::Isometry3d> asked;     ///< for pictures
+  std::vector<Eigen::Isometry3d> commands;  ///< all, in order, the way back too
+  std::vector<Eigen::Isometry3d> stood;     ///< where the robot said it stood before each of them
+  CalibrationRun::End end = CalibrationRun::End::kNone;
+  std::string failure;  ///< what the run threw
   HandEyeProblem problem;
   int pictures = 0, refused = 0, lost = 0;
 };
@@ -50,32 +63,97 @@ struct RunWorld {
   RunOutcome run(const RunParams& params, const HandEyeParams& solver = {}) {
     CalibrationRun run(emptyProblem(cell), solver, params, T_base_start);
     RunOutcome outcome;
-    std::uniform_real_distribution<double> chance(0.0, 1.0);
-    while (const auto target = run.next()) {
-      outcome.asked.push_back(*target);
-      if (isUnreachable(*target) || chance(random) < failing) {
-        ++outcome.refused;
-        run.refused();
-        continue;
+    T_base_said = T_base_start;
+    try {
+      while (const auto target = run.next()) {
+        outcome.asked.push_back(*target);
+        visit(*target, &run, &outcome);
       }
-      HandEyeProblem one = emptyProblem(cell);
-      if (addSighting(cell, *target, &random, &one)) {
-        one.sightings[0].name = "view " + std::to_string(++outcome.pictures);
-        run.seen(one.sightings[0]);
-      } else {
-        ++outcome.lost;
-        run.lost();
-      }
+      if (run.headBack()) drive(&run, &outcome);
+    } catch (const std::runtime_error& error) {
+      outcome.failure = error.what();
     }
-    outcome.result = run.result();
+    outcome.end = run.end();
     outcome.problem = run.problem();
+    if (solves) outcome.result = run.result();
     return outcome;
+  }
+
+  /// A cell and a robot as narrow and as bad as they come; changes what goes wrong in this world.
+  RunParams randomParams() {
+    std::uniform_real_distribution<double> any(0.0, 1.0);
+    const auto between = [&](double low, double high) { return low + (high - low) * any(random); };
+    RunParams params;
+    MotionParams& motion = params.motion;
+    const Eigen::Vector3d p = T_base_start.translation();
+    motion.workspace_min_x = p.x() - between(0.31, 1.0);
+    motion.workspace_min_y = p.y() - between(0.31, 1.0);
+    motion.workspace_min_z = p.z() - between(0.31, 1.0);
+    motion.workspace_max_x = p.x() + between(0.31, 1.0);
+    motion.workspace_max_y = p.y() + between(0.31, 1.0);
+    motion.workspace_max_z = p.z() + between(0.31, 1.0);
+    if (any(random) < 0.5) {
+      const Eigen::Vector3d n = Eigen::Vector3d(between(-1, 1), between(-1, 1), 1.0).normalized();
+      motion.planes = {n.x(), n.y(), n.z(), n.dot(p) - between(0.31, 0.6)};
+    }
+    motion.cone_deg = between(10.0, 100.0);
+    motion.max_roll_deg = between(10.0, 180.0);
+    motion.max_step_m = between(0.01, 0.3);
+    motion.max_turn_deg = between(2.0, 90.0);
+    motion.clearance_m = between(0.0, 0.1);
+    params.first_turn_deg = between(4.0, 20.0);
+    params.views_max = 5 + static_cast<int>(between(1.0, 4.0));
+    params.attempts_max = 20;
+    params.candidates = 10;
+    cell.robot_mm = between(0.0, 1.0);
+    cell.robot_deg = between(0.0, 0.1);
+    unreachable = any(random) < 0.3 ? 0.2 : 0.0;
+    failing = any(random) < 0.3 ? 0.05 : 0.0;
+    blind = any(random) < 0.3 ? 0.2 : 0.0;
+    astray = any(random) < 0.2 ? 0.05 : 0.0;
+    solves = false;
+    return params;
+  }
+
+  /// @return  the pose that the robot refuses
+  std::optional<Eigen::Isometry3d> drive(CalibrationRun* run, RunOutcome* outcome) {
+    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    while (const auto command = run->step()) {
+      if (isUnreachable(*command) || chance(random) < failing) return command;
+      outcome->stood.push_back(T_base_said);
+      outcome->commands.push_back(*command);
+      // A robot that goes elsewhere ends the run, unless that is within reached_mm.
+      if (chance(random) < astray) throw std::runtime_error("the robot is not where it was sent");
+      T_base_said = sim::reported(cell, *command, &random);
+      run->arrived(T_base_said);
+    }
+    if (!run->isThere()) return run->way().back();
+    return std::nullopt;
+  }
+
+  void visit(const Eigen::Isometry3d& target, CalibrationRun* run, RunOutcome* outcome) {
+    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    if (const auto refused = drive(run, outcome)) {
+      ++outcome->refused;
+      run->refused(*refused);
+      return;
+    }
+    HandEyeProblem one = emptyProblem(cell);
+    if (chance(random) >= blind && addSighting(cell, target, &random, &one)) {
+      one.sightings[0].name = "view " + std::to_string(++outcome->pictures);
+      run->seen(one.sightings[0]);
+    } else {
+      ++outcome->lost;
+      run->lost();
+    }
   }
 
   std::mt19937 random;
   sim::BoardCell cell;
   Eigen::Isometry3d T_base_start = Eigen::Isometry3d::Identity();
-  double unreachable = 0.0, failing = 0.0;  // shares
+  Eigen::Isometry3d T_base_said = Eigen::Isometry3d::Identity();
+  double unreachable = 0.0, failing = 0.0, blind = 0.0, astray = 0.0;  // shares
+  bool solves = true;                                                  // at the end
 };
 
 }  // namespace planar_bin_picking

@@ -10,6 +10,7 @@
 /// Knows no robot and no camera: the caller moves, looks and tells what came of it.
 
 #include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
+#include "planar_bin_picking/calibrate/motion_limits.h"
 
 #include <cstdint>
 #include <optional>
@@ -19,34 +20,26 @@
 namespace planar_bin_picking {
 
 struct RunParams {
-  double workspace_min_x = -2.0, workspace_min_y = -2.0,
-         workspace_min_z = -2.0;  ///< of the flange, metres,
-  double workspace_max_x = 2.0, workspace_max_y = 2.0,
-         workspace_max_z = 2.0;  ///< in the base frame
-  double cone_deg = 45.0;  ///< the flange's z axis stays within this of where it was at the start
+  MotionParams motion;          ///< its keys stand beside those below
   double first_turn_deg = 8.0;  ///< of the first, small moves
   double tilt_max_deg = 40.0;   ///< of the board against the image plane
   double margin_px = 20.0;      ///< that the board keeps from the image's border
   int views_max = 15;           ///< pictures of the board
   int attempts_max = 60;        ///< poses asked for, refused ones included
+  int refusals_max = 8;         ///< poses that the robot refuses without moving in between
   int candidates = 150;         ///< looked at for each view
   int seed = 1;
 
-  /// Calls visit(key, member, min, max) for every parameter.
+  /// Calls visit(key, member, min, max) for every parameter but the planes.
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("workspace_min_x", self.workspace_min_x, -100.0, 100.0);
-    visit("workspace_min_y", self.workspace_min_y, -100.0, 100.0);
-    visit("workspace_min_z", self.workspace_min_z, -100.0, 100.0);
-    visit("workspace_max_x", self.workspace_max_x, -100.0, 100.0);
-    visit("workspace_max_y", self.workspace_max_y, -100.0, 100.0);
-    visit("workspace_max_z", self.workspace_max_z, -100.0, 100.0);
-    visit("cone_deg", self.cone_deg, 5.0, 180.0);
+    MotionParams::fields(self.motion, visit);
     visit("first_turn_deg", self.first_turn_deg, 1.0, 30.0);
     visit("tilt_max_deg", self.tilt_max_deg, 10.0, 70.0);
     visit("margin_px", self.margin_px, 0.0, 1000.0);
     visit("views_max", self.views_max, 5, 1000);
     visit("attempts_max", self.attempts_max, 5, 10000);
+    visit("refusals_max", self.refusals_max, 1, 10000);
     visit("candidates", self.candidates, 10, 10000);
     visit("seed", self.seed, 0, 1000000);
   }
@@ -65,20 +58,50 @@ struct PlannedPose {
 
 class CalibrationRun {
  public:
-  /// @param empty  the problem without sightings
-  /// @param start  flange pose from which the board is seen
-  /// @throws std::invalid_argument  bad params or problem; the start lies outside the workspace
-  CalibrationRun(const HandEyeProblem& empty, const HandEyeParams& solver, const RunParams& params,
-                 const Eigen::Isometry3d& T_base_start);
+  /// Why next() gave no further pose.
+  enum class End {
+    kNone,      ///< it did, or was not asked
+    kGood,      ///< the expected error is small enough
+    kViews,     ///< views_max
+    kAttempts,  ///< attempts_max
+    kRefusals,  ///< refusals_max
+    kNoPose,    ///< no pose is left that the limits allow and from which the board is surely seen
+  };
 
-  /// Where to go for the next picture; the first one is the start itself. Nothing once the error is
-  /// small enough, or views or attempts are used up, or no pose is left.
+  /// @param problem  with the sightings of an earlier run, which this one adds to, or without any
+  /// @param start    flange pose from which the board is seen
+  /// @throws std::invalid_argument  bad params or problem; the limits do not allow the start: why
+  CalibrationRun(const HandEyeProblem& problem, const HandEyeParams& solver,
+                 const RunParams& params, const Eigen::Isometry3d& T_base_start);
+
+  /// Where to go for the next picture; the first one is the start itself. Nothing: see end().
   std::optional<Eigen::Isometry3d> next();
+  End end() const { return end_; }
+
+  /// The next pose on the way there, from where the robot really stands; nothing once it has
+  /// arrived, and where the limits allow no way on.
+  std::optional<Eigen::Isometry3d> step();
+  bool isThere() const { return way_.empty(); }
+  /// Makes the start the goal of step(). @return  false where the limits allow no way back
+  bool headBack();
+  /// What is left of the way, for people to look at.
+  const std::vector<Eigen::Isometry3d>& way() const { return way_; }
+  /// Whether that pose was chosen from a solution, and not as one of the first, small moves.
+  bool isLarge() const { return is_large_; }
+  /// Where the robot stands now. @throws std::runtime_error  outside the limits: why
+  void arrived(const Eigen::Isometry3d& T_base_flange);
 
   // What came of the pose that next() gave.
-  void refused();  ///< the robot did not go there
-  void lost();     ///< it went, and the board was not seen
+  /// The robot did not go there, or not all the way: it refused this pose.
+  void refused(const Eigen::Isometry3d& T_base_flange);
+  void lost();  ///< it went, and the board was not seen
+  /// A picture from where there is one already (isKnown()) counts once.
+  /// @throws std::runtime_error  camera or board are seen to be further from the flange than
+  /// mounted_radius_m
   void seen(const Sighting& sighting);
+  bool isKnown(const Eigen::Isometry3d& T_base_flange) const;
+  /// Since the robot last moved.
+  int refusalsInARow() const { return refusals_; }
 
   /// The verdict over all that was seen.
   HandEyeResult result() const { return solveHandEye(problem_, solver_); }
@@ -88,24 +111,33 @@ class CalibrationRun {
   const std::optional<HandEyeResult>& solution() const { return solution_; }
   int attempts() const { return attempts_; }
   const std::vector<PlannedPose>& poses() const { return poses_; }  ///< all asked for, in order
-  /// In the workspace and in the cone.
-  bool allowed(const Eigen::Isometry3d& T_base_flange) const;
+  const MotionLimits& limits() const { return limits_; }
 
  private:
+  End whyEnough() const;
   std::optional<Eigen::Isometry3d> firstMove();
   std::optional<Eigen::Isometry3d> bestMove();
+  /// Sets way_. @return  whether the target may be gone to
+  bool findWay(const Eigen::Isometry3d& T_base_target);
   void update();
-  bool isNearRefused(const Eigen::Isometry3d& T_base_flange) const;
+  void updateMounted();
+  bool isNearRefused(const Eigen::Isometry3d& T_base_flange, double metres, double radians) const;
 
   HandEyeProblem problem_;
   const HandEyeParams solver_;
   const RunParams params_;
   const Eigen::Isometry3d T_base_start_;
+  MotionLimits limits_;
+  Eigen::Isometry3d T_base_here_;
+  const std::size_t earlier_views_;
   std::mt19937 random_;
-  int attempts_ = 0, first_moves_ = 0;
+  int attempts_ = 0, first_moves_ = 0, refusals_ = 0;
+  bool is_large_ = false;
+  End end_ = End::kNone;
   double turn_;           // of the first moves, radians; smaller once the board was lost
   double caution_ = 1.0;  // factor on the uncertainty; larger once the board was lost
   std::vector<PlannedPose> poses_;
+  std::vector<Eigen::Isometry3d> way_;
   std::vector<Eigen::Isometry3d> refused_;
   std::optional<HandEyeResult> solution_;  // provisional
 };

@@ -77,6 +77,14 @@ void explain(const CalibrationRun& run, HandEyeResult* result) {
     result->reasons.push_back("no sharp board was seen from " + std::to_string(lost) + of +
                               "; has it been moved or covered, is there light?");
   }
+  using End = CalibrationRun::End;
+  if (run.end() == End::kNoPose) {
+    result->reasons.push_back(
+        "no further pose is left within the limits; widen the workspace, cone_deg, max_roll_deg or "
+        "tilt_max_deg, or start with the board in the middle of the image");
+  } else if (run.end() == End::kRefusals) {
+    result->reasons.push_back("the robot refused refusals_max poses one after the other");
+  }
 }
 
 }  // namespace planar_bin_picking_ros

@@ -29,7 +29,8 @@ void checkNear(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other,
 std::string whyNoBoard(const planar_bin_picking::BoardSighting& seen, const cv::Mat& image,
                        const planar_bin_picking::Board& board);
 
-/// Adds to the result what the solver cannot know: poses that gave no picture of the board.
+/// Adds to the result what the solver cannot know: poses that gave no picture of the board, and why
+/// there were not more.
 void explain(const planar_bin_picking::CalibrationRun& run,
              planar_bin_picking::HandEyeResult* result);
 

@@ -30,6 +30,8 @@ struct CalibratorParams {
   double blur_max_px = 4.0;    ///< edges wider than this: out of focus or moving
   double reached_mm = 3.0;     ///< target, robot's answer and tf may differ by this, and
   double reached_deg = 0.5;    ///< this; more ends the run
+  bool step = false;           ///< ~next is asked for before each move
+  bool confirm_first_large = true;  ///< and before the first move that is no small one
   planar_bin_picking::HandEyeParams solver;
   planar_bin_picking::RunParams run;
 
@@ -54,6 +56,8 @@ struct CalibratorParams {
     visit("blur_max_px", self.blur_max_px, 0.5, 50.0);
     visit("reached_mm", self.reached_mm, 0.01, 1000.0);
     visit("reached_deg", self.reached_deg, 0.01, 90.0);
+    visit("step", self.step, false, true);
+    visit("confirm_first_large", self.confirm_first_large, false, true);
     using planar_bin_picking::HandEyeParams;
     using planar_bin_picking::RunParams;
     HandEyeParams::fields(self.solver, [&](const std::string& key, auto& member, auto min,
@@ -61,6 +65,7 @@ struct CalibratorParams {
     RunParams::fields(self.run, [&](const std::string& key, auto& member, auto min, auto max) {
       visit("run/" + key, member, min, max);
     });
+    visit("run/planes", self.run.motion.planes);
   }
 
   planar_bin_picking::Mounting mountingValue() const;  ///< @pre validated

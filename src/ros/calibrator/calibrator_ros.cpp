@@ -31,6 +31,18 @@ namespace {
 /// s; what is published last needs it to reach those who listen, before the node goes.
 constexpr double kLastWord = 0.2;
 
+/// What a call does; what it throws is its answer.
+template <class Response, class Act>
+bool answer(Response* response, const Act& act) {
+  try {
+    act();
+  } catch (const std::exception& error) {
+    response->success = false;
+    response->message = error.what();
+  }
+  return true;
+}
+
 ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
   nh.setCallbackQueue(queue);
   return nh;
@@ -40,23 +52,34 @@ ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
 
 CalibratorRos::CalibratorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : params_(loadCalibratorParams(readTree(pnh, kCalibratorParams))),
-      board_(planar_bin_picking::parseBoard(params_.board, params_.square)),
       image_nh_(onQueue(nh, &image_queue_)),
       call_pnh_(onQueue(pnh, &call_queue_)),
       tf_listener_(tf_buffer_),
       source_(image_nh_, pnh),
       robot_(nh,
              {params_.base_frame, params_.speed_scale, params_.move_timeout, params_.stop_timeout}),
+      board_(params_, &source_, &tf_buffer_, [this] { robot_.checkStop(); }),
+      samples_(params_),
+      verifier_(params_),
       image_spinner_(1, &image_queue_),
       call_spinner_(3, &call_queue_) {
   ROS_INFO_STREAM("calibrator:" << describe(params_));
   status_ = call_pnh_.advertise<std_msgs::String>(kStatusTopic, 10, true);
   markers_ = call_pnh_.advertise<visualization_msgs::MarkerArray>(kPlanTopic, 1, true);
-  services_ = {call_pnh_.advertiseService(kStartService, &CalibratorRos::start, this),
-               call_pnh_.advertiseService(kAbortService, &CalibratorRos::abort, this),
-               call_pnh_.advertiseService(kPlanService, &CalibratorRos::plan, this),
-               call_pnh_.advertiseService(kAddSampleService, &CalibratorRos::addSample, this),
-               call_pnh_.advertiseService(kFinishService, &CalibratorRos::finish, this)};
+  const auto serve = [this](const char* name, auto method) {
+    services_.push_back(call_pnh_.advertiseService(name, method, this));
+  };
+  serve(kStartService, &CalibratorRos::start);
+  serve(kAbortService, &CalibratorRos::abort);
+  serve(kNextService, &CalibratorRos::next);
+  serve(kPlanService, &CalibratorRos::plan);
+  serve(kAddViewsService, &CalibratorRos::addViews);
+  serve(kAddSampleService, &CalibratorRos::addSample);
+  serve(kRemoveSampleService, &CalibratorRos::removeSample);
+  serve(kListSamplesService, &CalibratorRos::listSamples);
+  serve(kLoadSamplesService, &CalibratorRos::loadSamples);
+  serve(kFinishService, &CalibratorRos::finish);
+  serve(kVerifyService, &CalibratorRos::verify);
   image_spinner_.start();
   call_spinner_.start();
   setStatus("ready: call ~start, with the board in view and the robot free to move");
@@ -84,10 +107,11 @@ void CalibratorRos::setStatus(const std::string& text) {
 }
 
 std::string CalibratorRos::stoppedStatus() {
-  if (robot_.isStopConfirmed()) return "ABORTED: the robot stopped as asked; nothing was saved";
+  if (robot_.isStopConfirmed())
+    return "ABORTED: the robot stopped as asked; no calibration was saved";
   ROS_FATAL_STREAM("the stop was not confirmed: the robot may be moving; use its own stop");
-  return "FAILED: stop was not confirmed: the robot may be moving; use its own stop; nothing was "
-         "saved";
+  return "FAILED: stop was not confirmed: the robot may be moving; use its own stop; no "
+         "calibration was saved";
 }
 
 CalibratorTask::Hold CalibratorRos::begin(CalibratorTask::Kind kind) {
@@ -97,23 +121,23 @@ CalibratorTask::Hold CalibratorRos::begin(CalibratorTask::Kind kind) {
   });
 }
 
-bool CalibratorRos::start(Request&, Response& response) {
-  try {
+bool CalibratorRos::startRun(bool adds, Response& response) {
+  return answer(&response, [&] {
     auto hold = begin(CalibratorTask::Kind::kRun);
     if (thread_.joinable()) thread_.join();  // of the run before, which says its last word
     {
       const std::lock_guard<std::mutex> status_lock(status_mutex_);
       poses_so_far_ = summarize({});
     }
-    thread_ = std::thread(&CalibratorRos::runThread, this, std::move(hold));
+    thread_ = std::thread(&CalibratorRos::runThread, this, std::move(hold), adds);
     response.success = true;
     response.message = "started; see ~status";
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
+  });
 }
+
+bool CalibratorRos::start(Request&, Response& response) { return startRun(false, response); }
+
+bool CalibratorRos::addViews(Request&, Response& response) { return startRun(true, response); }
 
 bool CalibratorRos::abort(Request&, Response& response) {
   // From here on no move begins, and nothing is waited for.
@@ -129,140 +153,70 @@ bool CalibratorRos::abort(Request&, Response& response) {
   return true;
 }
 
-void CalibratorRos::runThread(CalibratorTask::Hold hold) {
+void CalibratorRos::runThread(CalibratorTask::Hold hold, bool adds) {
   std::string status;
   try {
-    status = calibrate();
+    status = calibrate(adds);
   } catch (const std::exception& error) {
     // Where an image was awaited it failed because it was stopped.
-    status = robot_.isAskedToStop() ? stoppedStatus() : std::string("FAILED: ") + error.what();
+    status = robot_.isAskedToStop()
+                 ? stoppedStatus()
+                 : "FAILED: " + std::string(error.what()) + robot_.stopAfterFailure();
+    status += samples_.keptText();
   }
   // Whoever reads the last status may start anew.
   hold.release();
   setStatus(status);
 }
 
-HandEyeProblem CalibratorRos::emptyProblem(const Look& look) const {
-  HandEyeProblem problem;
-  problem.mounting = params_.mountingValue();
-  problem.board = board_;
-  problem.width = look.image.cols;
-  problem.height = look.image.rows;
-  if (params_.fixed_camera) problem.camera = toCamera(*look.frame.info, *look.frame.image).model();
-  return problem;
+CalibrationDrive::Listener CalibratorRos::listener() {
+  return {[this](const std::string& status) { setStatus(status); },
+          [this](const CalibrationRun& run, const std::vector<Eigen::Isometry3d>& way) {
+            show(run, way);
+          },
+          [this](const Look& look) { return samples_.add(look, board_.problemFor(look)); }};
 }
 
-Eigen::Isometry3d CalibratorRos::flangeAt(const ros::Time& stamp) const {
-  constexpr double kSlice = 0.1;  // s; so long a stop waits at most
-  for (double left = params_.tf_timeout;; left -= kSlice) {
-    robot_.checkStop();
-    const LookupResult flange =
-        lookup(tf_buffer_, params_.base_frame, params_.flange_frame, stamp,
-               std::chrono::duration<double>(std::clamp(left, 0.0, kSlice)));
-    if (flange.T_target_source) return *flange.T_target_source;
-    if (left > kSlice) continue;
-    throw std::runtime_error("tf has no way from " + params_.base_frame + " to " +
-                             params_.flange_frame + " at the image's stamp (" + flange.reason +
-                             "); check base_frame, flange_frame and the robot's driver");
-  }
+void CalibratorRos::haveSamples(const Look& look) {
+  if (samples_.isEmpty()) samples_.load();
+  checkCamera(samples_.set(), look);
 }
 
-CalibratorRos::Look CalibratorRos::look() {
-  Look look;
-  look.frame = source_.await(ros::Time(), ros::Duration(params_.image_timeout));
-  look.T_base_flange = flangeAt(look.frame.image->header.stamp);
-  look.image = toGrey(look.frame.image);
-  look.board = planar_bin_picking::findBoard(look.image, board_, params_.blur_max_px);
-  return look;
-}
-
-std::string CalibratorRos::calibrate() {
+std::string CalibratorRos::calibrate(bool adds) {
   planar_bin_picking::checkCalibrationFolder(params_.output_folder);
-  const Look first = look();
-  if (first.board.status != BoardSighting::Status::kFound) {
-    throw std::runtime_error(whyNoBoard(first.board, first.image, board_));
+  const Look first = board_.takeWithBoard();
+  HandEyeProblem problem = board_.problemFor(first);
+  if (adds) {
+    haveSamples(first);
+    problem.sightings = samples_.set().problem.sightings;
   }
-  CalibrationRun run(emptyProblem(first), params_.solver, params_.run, first.T_base_flange);
-  bool move = false;  // the first picture is taken where the robot stands
-  while (const auto target = run.next()) {
-    robot_.checkStop();
-    setStatus("running: pose " + std::to_string(run.attempts()) + ", " +
-              std::to_string(run.problem().sightings.size()) + " pictures so far");
-    show(run);
-    visit(*target, move, first, &run);
-    move = true;
-  }
-  show(run);
-  const std::string back = goBack(first.T_base_flange);
+  CalibrationDrive drive(params_, board_, &robot_, listener(), first, problem);
+  if (!adds) samples_.begin(problem, first.frame);
+  const std::string back = drive.drive();
   setStatus("running: solving");
-  HandEyeResult result = run.result();
+  HandEyeResult result = drive.run().result();
   robot_.checkStop();
-  if (result.verdict != Verdict::kGood) explain(run, &result);
-  return save(run.problem(), result, first.frame.image->header.frame_id) + back;
+  if (result.verdict != Verdict::kGood) explain(drive.run(), &result);
+  const std::string status = save(drive.run().problem(), result, samples_.set().camera_frame);
+  if (result.verdict != Verdict::kRefused) samples_.close();
+  return status + back + samples_.keptText();
 }
 
-bool CalibratorRos::goTo(const Eigen::Isometry3d& T_base_flange,
-                         Eigen::Isometry3d* T_base_reached) {
-  const auto answer = robot_.move(T_base_flange);
-  if (!answer.success) {
-    ROS_WARN_STREAM("the robot cannot go there: " << answer.message);
-    return false;
-  }
-  const std::string& frame = answer.reached.header.frame_id;
-  if (frame != params_.base_frame) {
-    throw std::runtime_error("the robot says in frame \"" + frame + "\" where it stands, must be " +
-                             params_.base_frame + ", as in the request; correct its adapter");
-  }
-  *T_base_reached = fromMsg(answer.reached.pose);
-  checkNear(T_base_flange, *T_base_reached, params_, "the robot says that it stands",
-            "where it was sent");
-  return true;
-}
-
-std::string CalibratorRos::goBack(const Eigen::Isometry3d& T_base_start) {
-  std::string reason = "the robot cannot go there";
-  try {
-    if (robot_.move(T_base_start).success) return "";
-  } catch (const Stopped&) {
-    throw;
-  } catch (const std::exception& error) {
-    reason = error.what();
-  }
-  ROS_ERROR_STREAM("the robot did not return to the start: " << reason);
-  return "; the robot did not return to the start: " + reason;
-}
-
-void CalibratorRos::show(const CalibrationRun& run) {
+void CalibratorRos::show(const CalibrationRun& run, const std::vector<Eigen::Isometry3d>& way) {
   const auto& solution = run.solution();
-  markers_.publish(makePlanMarkers(params_.base_frame, params_.mountingValue(), run.poses(),
-                                   solution ? &*solution : nullptr));
+  auto markers = makePlanMarkers(params_.base_frame, params_.mountingValue(), run.poses(),
+                                 solution ? &*solution : nullptr);
+  addWay(params_.base_frame, way, &markers);
+  markers_.publish(markers);
+  const std::string next = describeWay(way);
   const std::lock_guard<std::mutex> lock(status_mutex_);
-  poses_so_far_ = summarize(run.poses());
+  poses_so_far_ = summarize(run.poses()) + (next.empty() ? "" : "; the next way leads " + next);
 }
 
-void CalibratorRos::visit(const Eigen::Isometry3d& T_base_flange, bool move, const Look& first,
-                          CalibrationRun* run) {
-  Eigen::Isometry3d T_base_reached = first.T_base_flange;
-  if (move) {
-    if (!goTo(T_base_flange, &T_base_reached)) {
-      run->refused();
-      return;
-    }
-    robot_.pause(params_.settle);
-  }
-  const Look seen = look();
-  checkSameCamera(first.frame, seen.frame);
-  checkNear(T_base_reached, seen.T_base_flange, params_,
-            "tf is stale or of another frame: it has the flange",
-            "where the robot says that it stands");
-  if (seen.board.status != BoardSighting::Status::kFound) {
-    ROS_WARN_STREAM((seen.board.status == BoardSighting::Status::kBlurred ? "board blurred"
-                                                                          : "board not seen"));
-    run->lost();
-    return;
-  }
-  run->seen({"picture " + std::to_string(run->problem().sightings.size() + 1), seen.T_base_flange,
-             seen.board.corners});
+bool CalibratorRos::next(Request&, Response& response) {
+  response.success = robot_.go();
+  response.message = response.success ? "the robot goes" : "no move waits for ~next";
+  return true;
 }
 
 std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResult& result,
@@ -291,73 +245,104 @@ std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResu
   return status.str();
 }
 
-bool CalibratorRos::plan(Request&, Response& response) {
-  const auto say = [&] {
-    const std::lock_guard<std::mutex> lock(status_mutex_);
-    response.success = true;
-    response.message = "under way; on ~plan_markers are " + poses_so_far_;
-  };
-  if (task_.duringRun(say)) return true;
-  try {
-    const auto hold = begin(CalibratorTask::Kind::kPlan);
-    const Look first = look();
-    CalibrationRun run(emptyProblem(first), params_.solver, params_.run, first.T_base_flange);
-    // Later poses depend on what is seen: these are the first ones.
-    for (int i = 0; i < 6 && run.next(); ++i) {
-    }
-    show(run);
-    response.success = true;
-    response.message = "the first " + std::to_string(run.poses().size()) +
-                       " poses are on ~plan_markers; later ones follow from what is seen";
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
+void CalibratorRos::showPlan(const Look& first) {
+  CalibrationRun run(board_.problemFor(first), params_.solver, params_.run, first.T_base_flange);
+  std::vector<Eigen::Isometry3d> way{first.T_base_flange};
+  // Later poses depend on what is seen: these are the first ones.
+  constexpr int kFirstPoses = 6;
+  for (int i = 0; i < kFirstPoses && run.next(); ++i) {
+    if (way.size() == 1) way.insert(way.end(), run.way().begin(), run.way().end());
+    while (const auto pose = run.step()) run.arrived(*pose);
   }
-  return true;
+  show(run, way);
 }
 
-void CalibratorRos::keep(const Look& seen) {
-  if (!samples_) samples_ = std::make_unique<Samples>(Samples{emptyProblem(seen), seen.frame});
-  checkSameCamera(samples_->first, seen.frame);
-  auto& sightings = samples_->problem.sightings;
-  sightings.push_back(
-      {"sample " + std::to_string(sightings.size() + 1), seen.T_base_flange, seen.board.corners});
+bool CalibratorRos::plan(Request&, Response& response) {
+  const auto say = [&](const std::string& begin, const std::string& end) {
+    const std::lock_guard<std::mutex> lock(status_mutex_);
+    response.success = true;
+    response.message = begin + poses_so_far_ + end;
+  };
+  if (task_.duringRun([&] { say("under way; on ~plan_markers are ", ""); })) return true;
+  return answer(&response, [&] {
+    const auto hold = begin(CalibratorTask::Kind::kPlan);
+    showPlan(board_.take());
+    say("on ~plan_markers are the first ", "; later ones follow from what is seen");
+  });
 }
 
 bool CalibratorRos::addSample(Request&, Response& response) {
-  try {
+  return answer(&response, [&] {
     const auto hold = begin(CalibratorTask::Kind::kAddSample);
-    const Look seen = look();
+    planar_bin_picking::checkCalibrationFolder(params_.output_folder);
+    const Look seen = board_.take();
     response.success = seen.board.status == BoardSighting::Status::kFound;
-    if (response.success) keep(seen);
+    if (response.success) samples_.add(seen, board_.problemFor(seen));
     response.message =
         (response.success ? "taken"
                           : "no sharp board of " + params_.board + " inner corners in view") +
-        std::string("; there are ") +
-        std::to_string(samples_ ? samples_->problem.sightings.size() : 0) +
-        " samples; ~finish solves";
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
+        std::string("; there are ") + std::to_string(samples_.size()) + " samples; ~finish solves";
+  });
+}
+
+bool CalibratorRos::removeSample(planar_bin_picking::RemoveSample::Request& request,
+                                 planar_bin_picking::RemoveSample::Response& response) {
+  return answer(&response, [&] {
+    const auto hold = begin(CalibratorTask::Kind::kSamples);
+    samples_.remove(request.number);
+    response.success = true;
+    response.message = "left are " + samples_.list();
+  });
+}
+
+bool CalibratorRos::listSamples(Request&, Response& response) {
+  return answer(&response, [&] {
+    const auto hold = begin(CalibratorTask::Kind::kSamples);
+    response.success = true;
+    response.message = samples_.list();
+  });
+}
+
+bool CalibratorRos::loadSamples(Request&, Response& response) {
+  return answer(&response, [&] {
+    const auto hold = begin(CalibratorTask::Kind::kSamples);
+    if (!samples_.isEmpty()) {
+      throw std::runtime_error("there are samples already" + samples_.keptText() +
+                               ", ~remove_sample removes them");
+    }
+    samples_.load();
+    response.success = true;
+    response.message = "loaded " + samples_.list();
+  });
 }
 
 bool CalibratorRos::finish(Request&, Response& response) {
-  try {
+  return answer(&response, [&] {
     const auto hold = begin(CalibratorTask::Kind::kFinish);
-    if (!samples_) throw std::runtime_error("there are no samples; take some with ~add_sample");
-    const HandEyeProblem& problem = samples_->problem;
+    if (samples_.isEmpty()) {
+      throw std::runtime_error(
+          "there are no samples; take some with ~add_sample, or go on with "
+          "those in output_folder by ~load_samples");
+    }
+    HandEyeProblem problem = samples_.set().problem;
+    // The lens that stays as it is is not among the samples on disk.
+    if (params_.fixed_camera) problem.camera = board_.problemFor(board_.take()).camera;
     const HandEyeResult result = planar_bin_picking::solveHandEye(problem, params_.solver);
-    response.message = save(problem, result, samples_->first.image->header.frame_id);
+    response.message = save(problem, result, samples_.set().camera_frame);
     response.success = result.verdict != Verdict::kRefused;
-    if (response.success) samples_.reset();
+    if (response.success) samples_.close();
     setStatus(response.message);
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
+  });
+}
+
+bool CalibratorRos::verify(Request&, Response& response) {
+  return answer(&response, [&] {
+    const auto hold = begin(CalibratorTask::Kind::kVerify);
+    const Look seen = board_.takeWithBoard();
+    const auto check = verifier_.verify(seen, board_.problemFor(seen));
+    response.success = check.holds();
+    response.message = check.text;
+  });
 }
 
 }  // namespace planar_bin_picking_ros

@@ -3,16 +3,22 @@
 #pragma once
 
 /// The calibrator as a ROS node. Does nothing before `~start`; then moves, looks and solves in a
-/// thread of its own, and says on the latched `~status` how it stands. A run ends with a status
-/// that begins with GOOD, POOR, REFUSED, ABORTED (the robot confirmed that it stopped) or FAILED.
+/// thread of its own, and says on the latched `~status` how it stands: "waiting" where it asks for
+/// ~next. A run ends with a status that begins with GOOD, POOR, REFUSED, ABORTED (the robot
+/// confirmed that it stopped) or FAILED.
 
+#include "calibrator/board_look.h"
+#include "calibrator/calibration_drive.h"
+#include "calibrator/calibration_verifier.h"
 #include "calibrator/calibrator_params.h"
 #include "calibrator/calibrator_task.h"
 #include "calibrator/robot_mover.h"
+#include "calibrator/sample_store.h"
 #include "planar_bin_picking/calibrate/calibration_file.h"
 #include "shared/image_source.h"
 #include "shared/transform_listener.h"
 
+#include <planar_bin_picking/RemoveSample.h>
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
@@ -41,43 +47,33 @@ class CalibratorRos {
   using Request = std_srvs::Trigger::Request;
   using Response = std_srvs::Trigger::Response;
 
-  /// A picture and where the flange was when it was taken.
-  struct Look {
-    planar_bin_picking::BoardSighting board;
-    Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
-    cv::Mat image;
-    Frame frame;
-  };
-  /// Pictures of push mode.
-  struct Samples {
-    planar_bin_picking::HandEyeProblem problem;
-    Frame first;
-  };
-
   bool start(Request&, Response& response);
   bool abort(Request&, Response& response);
+  bool next(Request&, Response& response);
   bool plan(Request&, Response& response);
+  bool addViews(Request&, Response& response);
   bool addSample(Request&, Response& response);
+  bool removeSample(planar_bin_picking::RemoveSample::Request& request,
+                    planar_bin_picking::RemoveSample::Response& response);
+  bool listSamples(Request&, Response& response);
+  bool loadSamples(Request&, Response& response);
   bool finish(Request&, Response& response);
+  bool verify(Request&, Response& response);
 
   CalibratorTask::Hold begin(CalibratorTask::Kind kind);
-  void runThread(CalibratorTask::Hold hold);
+  /// @param adds  to the samples that are there
+  bool startRun(bool adds, Response& response);
+  void runThread(CalibratorTask::Hold hold, bool adds);
   /// Moves and looks until the run has enough. @return  the final status
-  std::string calibrate();
-  /// Goes to the pose and looks; tells the run what came of it.
-  void visit(const Eigen::Isometry3d& T_base_flange, bool move, const Look& first,
-             planar_bin_picking::CalibrationRun* run);
-  /// @return  false where the robot cannot go there
-  bool goTo(const Eigen::Isometry3d& T_base_flange, Eigen::Isometry3d* T_base_reached);
-  /// @return  what went wrong, which costs no calibration
-  std::string goBack(const Eigen::Isometry3d& T_base_start);
-  /// @throws std::runtime_error  no image, no transform
-  Look look();
-  Eigen::Isometry3d flangeAt(const ros::Time& stamp) const;
-  planar_bin_picking::HandEyeProblem emptyProblem(const Look& look) const;
-  void keep(const Look& seen);
+  std::string calibrate(bool adds);
+  /// Those in memory; without any, those in the folder.
+  void haveSamples(const Look& look);
+  CalibrationDrive::Listener listener();
   /// Publishes the run's poses and keeps what ~plan says of them.
-  void show(const planar_bin_picking::CalibrationRun& run);
+  void show(const planar_bin_picking::CalibrationRun& run,
+            const std::vector<Eigen::Isometry3d>& way);
+  /// The first poses of a run that begins now.
+  void showPlan(const Look& first);
   std::string save(const planar_bin_picking::HandEyeProblem& problem,
                    const planar_bin_picking::HandEyeResult& result,
                    const std::string& camera_frame);
@@ -86,7 +82,6 @@ class CalibratorRos {
   std::string stoppedStatus();
 
   const CalibratorParams params_;
-  const planar_bin_picking::Board board_;
   ros::CallbackQueue image_queue_, call_queue_;
   ros::NodeHandle image_nh_, call_pnh_;
   TransformBuffer tf_buffer_;
@@ -94,9 +89,11 @@ class CalibratorRos {
   tf2_ros::StaticTransformBroadcaster broadcaster_;
   ImageSource source_;
   RobotMover robot_;
+  const BoardLook board_;
   CalibratorTask task_;
-  std::thread thread_;                // of the run; whoever begins one has the task
-  std::unique_ptr<Samples> samples_;  // whoever has the task
+  std::thread thread_;            // of the run; whoever begins one has the task
+  SampleStore samples_;           // whoever has the task
+  CalibrationVerifier verifier_;  // likewise
   std::mutex status_mutex_;
   std::string poses_so_far_;  // guarded by status_mutex_
   ros::Publisher status_, markers_;

@@ -18,6 +18,10 @@ std::string refusal(const CalibratorTask::Kind under_way) {
       return "~plan" + later;
     case Kind::kAddSample:
       return "~add_sample" + later;
+    case Kind::kSamples:
+      return "another call about samples" + later;
+    case Kind::kVerify:
+      return "~verify" + later;
     case Kind::kFinish:
       return "~finish" + later;
     case Kind::kNone:

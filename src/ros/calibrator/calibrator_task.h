@@ -14,7 +14,7 @@ namespace planar_bin_picking_ros {
 
 class CalibratorTask {
  public:
-  enum class Kind { kNone, kRun, kPlan, kAddSample, kFinish };
+  enum class Kind { kNone, kRun, kPlan, kAddSample, kSamples, kFinish, kVerify };
 
   /// Ends the task with itself.
   class Hold {

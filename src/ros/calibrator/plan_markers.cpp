@@ -7,6 +7,8 @@
 #include <ros/time.h>
 
 #include <algorithm>
+#include <locale>
+#include <sstream>
 
 namespace planar_bin_picking_ros {
 
@@ -107,6 +109,40 @@ visualization_msgs::MarkerArray makePlanMarkers(const std::string& base_frame, M
     array.markers.push_back(marker);
   }
   return array;
+}
+
+void addWay(const std::string& base_frame, const std::vector<Eigen::Isometry3d>& way,
+            visualization_msgs::MarkerArray* array) {
+  if (way.size() < 2) return;
+  Marker marker;
+  marker.header.frame_id = base_frame;
+  marker.header.stamp = ros::Time::now();
+  marker.ns = "next";
+  marker.action = Marker::ADD;
+  marker.type = Marker::LINE_STRIP;
+  marker.scale.x = 0.003;
+  marker.pose.orientation.w = 1.0;
+  setColour(1.0F, 1.0F, 1.0F, &marker);
+  for (const Eigen::Isometry3d& pose : way) marker.points.push_back(pointAt(pose.translation()));
+  array->markers.push_back(marker);
+  ++marker.id;
+  marker.type = Marker::LINE_LIST;
+  setPyramid(flangeCorners(), &marker);
+  marker.pose = toPoseMsg(way.back());
+  array->markers.push_back(marker);
+}
+
+std::string describeWay(const std::vector<Eigen::Isometry3d>& way) {
+  if (way.size() < 2) return "";
+  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+  const Eigen::Isometry3d between = way.front().inverse() * way.back();
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(3);
+  text << "to [" << way.back().translation().transpose() << "] m: " << between.translation().norm()
+       << " m and " << kDegrees * planar_bin_picking::rotationAngle(between.linear()) << " deg in "
+       << way.size() - 1 << (way.size() == 2 ? " move" : " moves");
+  return text.str();
 }
 
 std::string summarize(const std::vector<PlannedPose>& poses) {

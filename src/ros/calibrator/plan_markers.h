@@ -23,6 +23,15 @@ visualization_msgs::MarkerArray makePlanMarkers(
     const std::vector<planar_bin_picking::PlannedPose>& poses,
     const planar_bin_picking::HandEyeResult* solution);
 
+/// Adds the way to the next pose as a white line, and a white pyramid at its end.
+/// @param way  from where the robot stands, that place first
+void addWay(const std::string& base_frame, const std::vector<Eigen::Isometry3d>& way,
+            visualization_msgs::MarkerArray* array);
+
+/// "to [0.51 0.02 0.4] m: 0.12 m and 18 deg in 2 moves".
+/// @param way  as above; "" where it has no second pose
+std::string describeWay(const std::vector<Eigen::Isometry3d>& way);
+
 /// "12 poses: 8 seen, 2 refused, 1 board lost, 1 planned".
 std::string summarize(const std::vector<planar_bin_picking::PlannedPose>& poses);
 

@@ -88,6 +88,8 @@ void RobotMover::reset(const bool may_move) {
   changed_.wait(lock, [this] { return stop_ != Stop::kUnderWay; });
   may_move_ = may_move;
   is_asked_to_stop_ = false;
+  has_moved_ = false;
+  go_ = Go::kNotAwaited;
   stop_ = Stop::kNone;
 }
 
@@ -118,10 +120,41 @@ void RobotMover::pause(const double duration) const {
   throwIfAsked();
 }
 
+void RobotMover::awaitGo(const std::function<void()>& announce) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  go_ = Go::kAwaited;
+  lock.unlock();
+  announce();
+  lock.lock();
+  changed_.wait(lock, [this] { return is_asked_to_stop_ || go_ == Go::kGiven; });
+  go_ = Go::kNotAwaited;
+  throwIfAsked();
+}
+
+bool RobotMover::go() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (go_ != Go::kAwaited) return false;
+  go_ = Go::kGiven;
+  changed_.notify_all();
+  return true;
+}
+
+std::string RobotMover::stopForReason() {
+  return stopNow() ? "; it was told to stop, and confirmed it"
+                   : "; it was told to stop, and the stop was not confirmed: use the robot's own "
+                     "stop";
+}
+
 void RobotMover::fail(const std::string& reason) {
-  throw std::runtime_error(reason + (stopNow() ? "; it was told to stop, and confirmed it"
-                                               : "; it was told to stop, and the stop was not "
-                                                 "confirmed: use the robot's own stop"));
+  throw std::runtime_error(reason + stopForReason());
+}
+
+std::string RobotMover::stopAfterFailure() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!has_moved_ || stop_ != Stop::kNone) return "";
+  }
+  return stopForReason();
 }
 
 std::shared_ptr<RobotCall> RobotMover::begin(const Eigen::Isometry3d& T_base_flange) {
@@ -138,6 +171,7 @@ std::shared_ptr<RobotCall> RobotMover::begin(const Eigen::Isometry3d& T_base_fla
   // Under the lock: a stop comes before this, and nothing is sent, or after it, and finds the move.
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!may_move_) throw Stopped("stopped");
+  has_moved_ = true;
   under_way_ = robot_->send(request, false);
   return under_way_;
 }

@@ -17,6 +17,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -100,6 +101,17 @@ class RobotMover {
   /// Waits. @throws Stopped  at once when somebody asks for a stop
   void pause(double seconds) const;
 
+  /// Waits, as long as it takes, until somebody says go().
+  /// @param announce  called once go() is listened to
+  /// @throws Stopped  as pause()
+  void awaitGo(const std::function<void()>& announce);
+  /// @return  false where nobody waits for it
+  bool go();
+
+  /// What becomes of a run that failed: the robot is told to stop, unless it never moved or a
+  /// failed move has told it already. @return  what came of it, to be added to the reason
+  std::string stopAfterFailure();
+
  private:
   using Clock = std::chrono::steady_clock;
   enum class Stop { kNone, kUnderWay, kConfirmed, kNotConfirmed };
@@ -108,13 +120,15 @@ class RobotMover {
   std::shared_ptr<RobotCall> begin(const Eigen::Isometry3d& T_base_flange);
   void awaitEnd(RobotCall* call);
   bool stopWithin(RobotCall* move);
+  std::string stopForReason();
   [[noreturn]] void fail(const std::string& reason);
 
   const MoverSettings settings_;
   const std::unique_ptr<RobotConnection> robot_;
   mutable std::mutex mutex_;  // of all below
   mutable std::condition_variable changed_;
-  bool may_move_ = false, is_asked_to_stop_ = false;
+  bool may_move_ = false, is_asked_to_stop_ = false, has_moved_ = false;
+  enum class Go { kNotAwaited, kAwaited, kGiven } go_ = Go::kNotAwaited;
   Stop stop_ = Stop::kNone;
   std::shared_ptr<RobotCall> under_way_;
 };

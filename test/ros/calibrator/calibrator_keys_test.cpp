@@ -28,6 +28,10 @@ CalibratorParams with(const std::vector<std::pair<std::string, XmlRpcValue>>& ch
   XmlRpcValue tree;
   tree["square"] = 0.02;
   tree["output_folder"] = "calibration";
+  for (const char* axis : {"x", "y", "z"}) {
+    tree["run"][std::string("workspace_min_") + axis] = -2.0;
+    tree["run"][std::string("workspace_max_") + axis] = 2.0;
+  }
   for (const auto& [key, value] : changes) {
     const auto slash = key.find('/');
     tree[key.substr(0, slash)][key.substr(slash + 1)] = value;
@@ -62,6 +66,19 @@ class RunKeys : public testing::Test {
   }
 };
 
+/// How far from the start flange and camera get along an axis.
+double mountedReach(const RunOutcome& outcome, int axis, double sign) {
+  const RunWorld here(true, 3);
+  double most = -1e9;
+  for (const auto& T : outcome.commands) {
+    for (const Eigen::Vector3d& x :
+         {T.translation().eval(), (T * here.cell.T_mount_camera.translation()).eval()}) {
+      most = std::max(most, sign * (x - here.T_base_start.translation())[axis]);
+    }
+  }
+  return most;
+}
+
 TEST_F(RunKeys, WorkspaceBoundsEachWay) {
   const Eigen::Vector3d start = world().T_base_start.translation();
   int binding = 0;
@@ -69,18 +86,12 @@ TEST_F(RunKeys, WorkspaceBoundsEachWay) {
                                   {"run/workspace_min_y", "run/workspace_max_y"},
                                   {"run/workspace_min_z", "run/workspace_max_z"}};
   for (int axis = 0; axis < 3; ++axis) {
-    const auto reach = [&](const RunOutcome& outcome, double sign) {
-      double most = -1e9;
-      for (const auto& T : outcome.asked) {
-        most = std::max(most, sign * (T.translation() - start)[axis]);
-      }
-      return most;
-    };
-    const auto down = outcomeOf(with({{ends[axis][0], XmlRpcValue(start[axis] - 0.02)}}));
-    const auto up = outcomeOf(with({{ends[axis][1], XmlRpcValue(start[axis] + 0.02)}}));
-    EXPECT_LE(reach(down, -1.0), 0.02 + 1e-9) << ends[axis][0];
-    EXPECT_LE(reach(up, 1.0), 0.02 + 1e-9) << ends[axis][1];
-    binding += (reach(byDefault(), -1.0) > 0.02) + (reach(byDefault(), 1.0) > 0.02);
+    // What is mounted needs room, too.
+    const auto down = outcomeOf(with({{ends[axis][0], XmlRpcValue(start[axis] - 0.34)}}));
+    const auto up = outcomeOf(with({{ends[axis][1], XmlRpcValue(start[axis] + 0.34)}}));
+    EXPECT_LE(mountedReach(down, axis, -1.0), 0.34) << ends[axis][0];
+    EXPECT_LE(mountedReach(up, axis, 1.0), 0.34) << ends[axis][1];
+    binding += !asksTheSame(down, byDefault()) + !asksTheSame(up, byDefault());
   }
   EXPECT_GE(binding, 4);  // it would go there otherwise
 }
@@ -95,6 +106,96 @@ TEST_F(RunKeys, ConeDeg) {
   };
   EXPECT_LE(lean(outcomeOf(with({{"run/cone_deg", 12.0}}))), 12.0 + 1e-6);
   EXPECT_GT(lean(byDefault()), 15.0);
+}
+
+TEST_F(RunKeys, MaxRollDeg) {
+  const auto roll = [](const RunOutcome& outcome) {
+    double most = 0.0;
+    for (const auto& T : outcome.asked) {
+      const Eigen::Matrix3d R = outcome.asked[0].linear().transpose() * T.linear();
+      const Eigen::Matrix3d level =
+          Eigen::Quaterniond::FromTwoVectors(R.col(2), Eigen::Vector3d::UnitZ()) * R;
+      most = std::max(most, std::abs(std::atan2(level(1, 0), level(0, 0))) / sim::kDegree);
+    }
+    return most;
+  };
+  EXPECT_LE(roll(outcomeOf(with({{"run/max_roll_deg", 20.0}}))), 20.0 + 1e-6);
+  EXPECT_GT(roll(byDefault()), 25.0);
+}
+
+TEST_F(RunKeys, MaxStepAndTurn) {
+  const auto steps = [](const RunOutcome& outcome) {
+    double metres = 0.0, degrees = 0.0;
+    for (std::size_t i = 0; i < outcome.commands.size(); ++i) {
+      const Eigen::Isometry3d step = outcome.stood[i].inverse() * outcome.commands[i];
+      metres = std::max(metres, step.translation().norm());
+      degrees = std::max(degrees, planar_bin_picking::rotationAngle(step.linear()) / sim::kDegree);
+    }
+    return std::pair(metres, degrees);
+  };
+  EXPECT_LE(steps(byDefault()).first, 0.1 + 1e-9);
+  EXPECT_GT(steps(byDefault()).first, 0.05);
+  EXPECT_LE(steps(byDefault()).second, 15.0 + 1e-6);
+  EXPECT_LE(steps(outcomeOf(with({{"run/max_step_m", 0.02}}))).first, 0.02 + 1e-9);
+  EXPECT_LE(steps(outcomeOf(with({{"run/max_turn_deg", 5.0}}))).second, 5.0 + 1e-6);
+}
+
+/// The six faces of a box about the start, as planes.
+std::vector<XmlRpcValue> planesAbout(double distance) {
+  std::vector<XmlRpcValue> planes;
+  const Eigen::Vector3d start = RunWorld(true, 3).T_base_start.translation();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      XmlRpcValue plane;
+      for (int i = 0; i < 3; ++i) plane[i] = i == axis ? -sign : 0.0;
+      plane[3] = -sign * start[axis] - distance;
+      planes.push_back(plane);
+    }
+  }
+  return planes;
+}
+
+TEST_F(RunKeys, Planes) {
+  const std::vector<XmlRpcValue> planes = planesAbout(0.34);
+  int binding = 0;
+  for (int i = 0; i < 6; ++i) {
+    const RunOutcome outcome = outcomeOf(with({{"run/planes", planes[static_cast<size_t>(i)]}}));
+    EXPECT_LE(mountedReach(outcome, i / 2, i % 2 == 0 ? -1.0 : 1.0), 0.34) << i;
+    binding += asksTheSame(outcome, byDefault()) ? 0 : 1;
+  }
+  EXPECT_GE(binding, 3);
+}
+
+TEST_F(RunKeys, MountedRadiusAndClearance) {
+  RunWorld tight = world();
+  const double reach = tight.cell.T_mount_camera.translation().norm();
+  const RunOutcome wrong = outcomeOf(with({{"run/mounted_radius_m", reach - 0.05}}));
+  EXPECT_NE(wrong.failure.find("correct mounted_radius_m"), std::string::npos) << wrong.failure;
+  EXPECT_EQ(byDefault().failure, "");
+  const std::vector<XmlRpcValue> planes = planesAbout(0.34);
+  int binding = 0;
+  for (int i = 0; i < 6; ++i) {
+    const auto reach = [&](double clearance) {
+      const auto params = with({{"run/planes", planes[static_cast<size_t>(i)]},
+                                {"run/clearance_m", clearance},
+                                {"run/views_max", 9}});
+      return mountedReach(outcomeOf(params), i / 2, i % 2 == 0 ? -1.0 : 1.0);
+    };
+    binding += reach(0.0) > reach(0.2) + 0.02 ? 1 : 0;
+  }
+  EXPECT_GE(binding, 2);
+}
+
+TEST_F(RunKeys, RefusalsMax) {
+  const auto refusals = [](int most) {
+    RunWorld here = world();
+    here.failing = 1.0;
+    const CalibratorParams params = with({{"run/refusals_max", most}});
+    return here.run(params.run, params.solver);
+  };
+  EXPECT_EQ(refusals(3).refused, 3);
+  EXPECT_EQ(refusals(5).refused, 5);
+  EXPECT_EQ(refusals(5).end, planar_bin_picking::CalibrationRun::End::kRefusals);
 }
 
 TEST_F(RunKeys, FirstTurnDeg) {

@@ -81,5 +81,27 @@ TEST_F(PlanMarkers, AreCounted) {
   EXPECT_EQ(summarize(poses_), "4 poses: 1 seen, 1 refused, 1 board lost, 1 planned");
 }
 
+TEST_F(PlanMarkers, WayToTheNextPose) {
+  visualization_msgs::MarkerArray array;
+  std::vector<Eigen::Isometry3d> way(1, Eigen::Isometry3d::Identity());
+  addWay("base", way, &array);
+  EXPECT_TRUE(array.markers.empty());  // it stands there
+  EXPECT_EQ(describeWay(way), "");
+  Eigen::Isometry3d there = Eigen::Isometry3d::Identity();
+  there.translation() = Eigen::Vector3d(0.0, 0.3, 0.4);
+  there.rotate(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
+  way.push_back(there);
+  EXPECT_EQ(describeWay(way), "to [  0 0.3 0.4] m: 0.5 m and 28.6 deg in 1 move");
+  way.insert(way.begin() + 1, Eigen::Isometry3d::Identity());
+  EXPECT_NE(describeWay(way).find("in 2 moves"), std::string::npos);
+  addWay("base", way, &array);
+  ASSERT_EQ(array.markers.size(), 2u);
+  EXPECT_EQ(array.markers[0].points.size(), 3u);
+  EXPECT_DOUBLE_EQ(array.markers[0].points[2].y, 0.3);
+  EXPECT_EQ(array.markers[1].header.frame_id, "base");
+  EXPECT_DOUBLE_EQ(array.markers[1].pose.position.z, 0.4);
+  EXPECT_NE(array.markers[0].id, array.markers[1].id);
+}
+
 }  // namespace
 }  // namespace planar_bin_picking_ros

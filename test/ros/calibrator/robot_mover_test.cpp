@@ -165,6 +165,10 @@ TEST_F(RobotMoverTest, NothingMovesAfterStop) {
   EXPECT_THROW(mover_->checkStop(), Stopped);
   EXPECT_THROW(mover_->pause(10.0), Stopped);
   mover_->reset(true);
+  mover_->forbidMoves();  // the gate is closed before any stop is sent
+  EXPECT_EQ(failure(), "stopped");
+  EXPECT_EQ(robot_->moves.size(), 1u);
+  mover_->reset(true);
   EXPECT_FALSE(mover_->isAskedToStop());
   EXPECT_TRUE(move().success);
 }
@@ -338,6 +342,51 @@ TEST_F(RobotMoverTest, NobodyAndBrokenOff) {
   robot_->on_move = [](const auto& call) { call->finish(CallEnd::kFailed, {}); };
   EXPECT_NE(failure().find("/robot broke off"), std::string::npos);
   EXPECT_EQ(robot_->stops.size(), 1u);
+}
+
+TEST_F(RobotMoverTest, GoesOnWhenTold) {
+  mover_->reset(true);
+  EXPECT_FALSE(mover_->go());
+  std::atomic<int> announced{0}, gone{0};
+  std::thread thread([&] {
+    mover_->awaitGo([&] { ++announced; });
+    ++gone;
+    EXPECT_THROW(mover_->awaitGo([&] { ++announced; }), Stopped);
+  });
+  while (announced == 0) std::this_thread::sleep_for(milliseconds(1));
+  std::this_thread::sleep_for(milliseconds(50));
+  EXPECT_EQ(gone, 0);
+  EXPECT_TRUE(mover_->go());
+  while (announced == 1) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_EQ(gone, 1);  // and asks again
+  mover_->forbidMoves();
+  thread.join();
+  EXPECT_FALSE(mover_->go());
+  EXPECT_EQ(announced, 2);
+}
+
+// Told from where it is announced, it is not lost.
+TEST_F(RobotMoverTest, ListensOnceItHasAnnounced) {
+  mover_->reset(true);
+  mover_->awaitGo([this] { EXPECT_TRUE(mover_->go()); });
+  EXPECT_FALSE(mover_->go());
+}
+
+TEST_F(RobotMoverTest, FailureStopsARobotThatMoved) {
+  mover_->reset(true);
+  EXPECT_EQ(mover_->stopAfterFailure(), "");
+  EXPECT_TRUE(robot_->stops.empty());
+  move();
+  EXPECT_EQ(mover_->stopAfterFailure(), "; it was told to stop, and confirmed it");
+  EXPECT_EQ(robot_->stops.size(), 1u);
+  EXPECT_EQ(mover_->stopAfterFailure(), "");  // it was told already
+  EXPECT_EQ(robot_->stops.size(), 1u);
+  EXPECT_EQ(failure(), "stopped");
+  mover_->reset(true);
+  EXPECT_EQ(mover_->stopAfterFailure(), "");
+  robot_->on_stop = nullptr;
+  move();
+  EXPECT_NE(mover_->stopAfterFailure().find("not confirmed"), std::string::npos);
 }
 
 TEST_F(RobotMoverTest, PauseEndsAtOnce) {
