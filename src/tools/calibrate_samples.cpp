@@ -7,6 +7,7 @@
 #include "base/yaml_file.h"
 #include "command_line.h"
 
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 #include "planar_bin_picking/calibrate/calibration_file.h"
 
 #include <filesystem>

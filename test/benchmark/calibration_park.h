@@ -4,6 +4,8 @@
 
 /// The solver against OpenCV's Park on the same corners, and both against what is possible.
 
+#include "calibrate/board/board_views.h"
+#include "calibrate/hand_eye/closed_form.h"
 #include "calibrate/hand_eye/normal_equations.h"
 #include "calibration_statistics.h"
 
@@ -35,7 +37,7 @@ inline Camera::Model openCvCamera(const HandEyeProblem& problem) {
 
 inline PoseError parkError(const sim::BoardCell& cell, const HandEyeProblem& problem,
                            const Camera::Model& camera) {
-  std::vector<Motion> motions;
+  std::vector<PosePair> motions;
   for (const Sighting& s : problem.sightings) {
     const auto T_camera_board = boardPose(camera, problem.board, s.corners);
     if (T_camera_board) {

@@ -5,6 +5,7 @@
 /// Calibrations that must be refused: how many are.
 
 #include "calibration_statistics.h"
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 
 #include <cstdio>
 #include <functional>

@@ -6,7 +6,7 @@
 /// something is wrong.
 
 #include "calibrator/calibrator_params.h"
-#include "planar_bin_picking/calibrate/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 #include "shared/image_inbox.h"
 
 #include <opencv2/core/mat.hpp>

@@ -9,6 +9,7 @@
 #include "calibrator/calibrator_params.h"
 #include "calibrator/calibrator_task.h"
 #include "calibrator/robot_mover.h"
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 #include "planar_bin_picking/calibrate/calibration_file.h"
 #include "shared/image_source.h"
 #include "shared/transform_listener.h"

@@ -155,6 +155,20 @@ std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T
   return out;
 }
 
+std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
+                                       const Sighting& sighting, const Vector6d& correction) {
+  Increment increment;
+  increment.correction = correction;
+  const auto prediction = predict(chain, sighting.T_base_flange, increment, board, false);
+  std::vector<Eigen::Vector2d> out;
+  if (!prediction) return out;
+  for (std::size_t i = 0; i < sighting.corners.size(); ++i) {
+    out.push_back(sighting.corners[i] -
+                  prediction->pixels.segment<2>(2 * static_cast<Eigen::Index>(i)));
+  }
+  return out;
+}
+
 Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int height) {
   Camera::Model model;
   model.width = width;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
 
+#include "calibrate/board/board_views.h"
 #include "calibrate/hand_eye/bundle_adjustment.h"
 #include "calibrate/hand_eye/closed_form.h"
 #include "calibrate/hand_eye/observation_check.h"
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
-#include <stdexcept>
 
 namespace planar_bin_picking {
 namespace {
@@ -33,9 +33,9 @@ struct Work {
     for (const Usable& view : usable) out.push_back(&view.sighting);
     return out;
   }
-  std::vector<Motion> motions() const {
-    std::vector<Motion> out;
-    for (const Usable& view : usable) out.push_back(view.motion);
+  std::vector<PosePair> motions() const {
+    std::vector<PosePair> out;
+    for (const Usable& view : usable) out.push_back(view.poses);
     return out;
   }
 };
@@ -240,6 +240,14 @@ void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findin
   if (enough) leaveOneOut(*work, *state, result);
 }
 
+/// The camera as given, or a first one from the corners.
+std::array<double, 9> firstCamera(const HandEyeProblem& problem) {
+  if (problem.camera) return fromModel(*problem.camera);
+  std::vector<std::vector<Eigen::Vector2d>> views;
+  for (const Sighting& sighting : problem.sightings) views.push_back(sighting.corners);
+  return fromModel(cameraFromBoards(problem.board, views, problem.width, problem.height));
+}
+
 Noise firstNoise(const HandEyeParams& params) {
   Noise noise;
   if (params.robot_sigma_mm > 0.0) noise.robot_t = 1e-3 * params.robot_sigma_mm;
@@ -269,20 +277,6 @@ HandEyeResult solveHandEye(const HandEyeProblem& problem, const HandEyeParams& p
   }
   judge(problem, params, findings, &result);
   return result;
-}
-
-void validate(const HandEyeParams& params) {
-  HandEyeParams::fields(params, [](const std::string& key, const auto& value, auto min, auto max) {
-    if (value >= min && value <= max) return;
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text << key << " is " << value << ", must be between " << min << " and " << max;
-    throw std::invalid_argument(text.str());
-  });
-  if ((params.robot_sigma_mm > 0.0) != (params.robot_sigma_deg > 0.0)) {
-    throw std::invalid_argument(
-        "robot_sigma_mm and robot_sigma_deg: give both, or neither to have them estimated");
-  }
 }
 
 }  // namespace planar_bin_picking

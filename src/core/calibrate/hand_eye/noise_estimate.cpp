@@ -88,18 +88,4 @@ void estimateCovariance(const HandEyeProblem& problem, const std::vector<const S
   if (options.fixed_camera && !options.free_scale) widenByGivenCamera(problem, *normals, state);
 }
 
-std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
-                                       const Sighting& sighting, const Vector6d& correction) {
-  Increment increment;
-  increment.correction = correction;
-  const auto prediction = predict(chain, sighting.T_base_flange, increment, board, false);
-  std::vector<Eigen::Vector2d> out;
-  if (!prediction) return out;
-  for (std::size_t i = 0; i < sighting.corners.size(); ++i) {
-    out.push_back(sighting.corners[i] -
-                  prediction->pixels.segment<2>(2 * static_cast<Eigen::Index>(i)));
-  }
-  return out;
-}
-
 }  // namespace planar_bin_picking

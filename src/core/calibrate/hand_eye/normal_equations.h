@@ -4,7 +4,7 @@
 
 /// The normal equations of a solution, view by view, in standard deviations.
 
-#include "calibrate/hand_eye/bundle_adjustment.h"
+#include "calibrate/hand_eye/adjustment.h"
 
 namespace planar_bin_picking {
 

@@ -3,11 +3,11 @@
 #include "calibrate/hand_eye/observation_check.h"
 
 #include "base/scatter.h"
+#include "calibrate/board/board_views.h"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <stdexcept>
 
 namespace planar_bin_picking {
 namespace {
@@ -43,19 +43,17 @@ void findStale(const std::vector<Usable>& views, Findings* findings) {
   }
 }
 
-/// Whether the poses fit if each is taken for the picture before or after its own.
+/// Whether the poses fit if each is taken for the picture before its own.
 bool lateByOne(const std::vector<Usable>& views, double wrong) {
-  std::vector<Motion> motions;
-  for (const Usable& view : views) motions.push_back(view.motion);
+  std::vector<PosePair> motions;
+  for (const Usable& view : views) motions.push_back(view.poses);
   if (motions.size() < 5 || median(angleErrors(motions)) < wrong) return false;
-  std::vector<Motion> shifted;
+  std::vector<PosePair> shifted;
   for (std::size_t i = 1; i < motions.size(); ++i) {
     shifted.push_back({motions[i].robot, motions[i - 1].board});
   }
   return median(angleErrors(shifted)) < 0.3 * wrong;
 }
-
-void refuse(const std::string& what) { throw std::invalid_argument("hand-eye: " + what); }
 
 }  // namespace
 
@@ -75,17 +73,17 @@ std::vector<Usable> checkSightings(const HandEyeProblem& problem, const HandEyeP
       (*views)[i].why_not = "no pose of the board fits its corners";
     }
   }
-  std::vector<Motion> motions;
-  for (const Usable& view : usable) motions.push_back(view.motion);
+  std::vector<PosePair> motions;
+  for (const Usable& view : usable) motions.push_back(view.poses);
   const auto all = orderings(problem.board);
   const std::vector<std::size_t> chosen = chooseOrderings(motions, problem.board);
   for (std::size_t i = 0; i < usable.size(); ++i) {
     Usable& view = usable[i];
     if (chosen[i] == 0) continue;
     view.sighting.corners = reordered(view.sighting.corners, all[chosen[i]]);
-    view.motion.board =
-        boardPose(camera, problem.board, view.sighting.corners).value_or(view.motion.board);
-    motions[i] = view.motion;
+    view.poses.board =
+        boardPose(camera, problem.board, view.sighting.corners).value_or(view.poses.board);
+    motions[i] = view.poses;
   }
   findStale(usable, findings);
   findings->late_by_one = lateByOne(usable, params.wrong_pair_deg * kRadians);
@@ -103,32 +101,6 @@ std::vector<Usable> checkSightings(const HandEyeProblem& problem, const HandEyeP
     (*views)[usable[i].index].why_not = text.str();
   }
   return good;
-}
-
-void validate(const HandEyeProblem& problem) {
-  validate(problem.board);
-  if (problem.width <= 0 || problem.height <= 0) refuse("image size is not set");
-  if (problem.camera) {
-    if (problem.camera->width != problem.width || problem.camera->height != problem.height) {
-      refuse("the given camera is for images of " + std::to_string(problem.camera->width) + " x " +
-             std::to_string(problem.camera->height) + ", but these have " +
-             std::to_string(problem.width) + " x " + std::to_string(problem.height));
-    }
-    const Camera checked(*problem.camera);
-  }
-  for (const Sighting& sighting : problem.sightings) {
-    if (sighting.corners.size() != problem.board.size()) {
-      refuse(sighting.name + " has " + std::to_string(sighting.corners.size()) +
-             " corners, the board has " + std::to_string(problem.board.size()));
-    }
-    bool finite = sighting.T_base_flange.matrix().allFinite();
-    for (const Eigen::Vector2d& p : sighting.corners) finite = finite && p.allFinite();
-    if (!finite) refuse(sighting.name + " has numbers that are not finite");
-    const Eigen::Matrix3d R = sighting.T_base_flange.linear();
-    if ((R.transpose() * R - Eigen::Matrix3d::Identity()).norm() > 1e-4 || R.determinant() < 0.0) {
-      refuse(sighting.name + ": the robot pose is no rigid motion");
-    }
-  }
 }
 
 }  // namespace planar_bin_picking

@@ -13,15 +13,12 @@ namespace planar_bin_picking {
 struct Usable {
   std::size_t index = 0;  ///< in the problem
   Sighting sighting;
-  Motion motion;
+  PosePair poses;
 };
 
 /// Sorts out orderings, wrong pairs and stale robot poses; says in `views` what became of each.
 std::vector<Usable> checkSightings(const HandEyeProblem& problem, const HandEyeParams& params,
                                    const std::array<double, 9>& intrinsics,
                                    std::vector<ViewResult>* views, Findings* findings);
-
-/// Everything that the caller could get wrong. @throws std::invalid_argument
-void validate(const HandEyeProblem& problem);
 
 }  // namespace planar_bin_picking

@@ -146,10 +146,6 @@ void judgeError(const HandEyeParams& params, const HandEyeResult& result, Reason
 
 }  // namespace
 
-const char* nameOf(Verdict verdict) {
-  return verdict == Verdict::kGood ? "GOOD" : verdict == Verdict::kPoor ? "POOR" : "REFUSED";
-}
-
 ErrorModel::ErrorModel(const Chain& chain, int width, int height, double distance) {
   const Camera camera(toModel(chain, width, height));
   const std::pair<double, double> places[] = {

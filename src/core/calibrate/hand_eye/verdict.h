@@ -4,7 +4,7 @@
 
 /// What a solution is worth.
 
-#include "calibrate/hand_eye/bundle_adjustment.h"
+#include "calibrate/hand_eye/chain.h"
 
 namespace planar_bin_picking {
 

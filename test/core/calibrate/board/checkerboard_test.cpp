@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "planar_bin_picking/calibrate/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 #include "sim/board_cell.h"
 #include "support/matchers.h"
 
