@@ -133,11 +133,11 @@ Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mount
                                std::to_string(seen.problem.width) + " x " +
                                std::to_string(seen.problem.height) + "; all must be of one camera");
     }
-    const BoardSighting sighting = findBoard(image, board, kBlurMax);
-    if (sighting.status == BoardSighting::Status::kFound) {
-      seen.problem.sightings.push_back({sample.name, sample.T_base_flange, sighting.corners});
+    const BoardObservation observation = findBoard(image, board, kBlurMax);
+    if (observation.status == BoardObservation::Status::kFound) {
+      seen.problem.observations.push_back({sample.name, sample.T_base_flange, observation.corners});
     } else {
-      const bool blurred = sighting.status == BoardSighting::Status::kBlurred;
+      const bool blurred = observation.status == BoardObservation::Status::kBlurred;
       seen.without_board.push_back(sample.name + (blurred ? ": blurred" : ": no board found"));
     }
   }
@@ -174,7 +174,7 @@ void print(const HandEyeResult& result, const Seen& seen) {
   for (const std::string& name : seen.without_board) std::printf("  %s\n", name.c_str());
   for (std::size_t i = 0; i < result.views.size(); ++i) {
     if (result.views[i].used || result.views[i].why_not.empty()) continue;
-    std::printf("  %s: not used: %s\n", seen.problem.sightings[i].name.c_str(),
+    std::printf("  %s: not used: %s\n", seen.problem.observations[i].name.c_str(),
                 result.views[i].why_not.c_str());
   }
   if (!result.solved) return;

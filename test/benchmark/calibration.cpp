@@ -74,15 +74,15 @@ void printRuns(int seeds) {
 HandEyeProblem drawnProblem(const sim::BoardCell& cell, std::mt19937* random) {
   HandEyeProblem problem = emptyProblem(cell);
   std::vector<Eigen::Vector2d> corners;
-  while (problem.sightings.size() < 15) {
+  while (problem.observations.size() < 15) {
     const auto T_camera_board = sim::randomView(cell, 0.43, 35.0, 0.6, random);
     if (!sim::seeCorners(cell, T_camera_board, random, &corners)) continue;
-    const int number = static_cast<int>(problem.sightings.size()) + 1;
+    const int number = static_cast<int>(problem.observations.size()) + 1;
     const cv::Mat image = sim::takeBoardImage(cell, T_camera_board, 0.8, 3.0, number);
-    const BoardSighting sighting = findBoard(image, problem.board, 4.0);
-    if (sighting.status != BoardSighting::Status::kFound) continue;
-    problem.sightings.push_back(
-        {"view " + std::to_string(number), cell.flangeFor(T_camera_board), sighting.corners});
+    const BoardObservation observation = findBoard(image, problem.board, 4.0);
+    if (observation.status != BoardObservation::Status::kFound) continue;
+    problem.observations.push_back(
+        {"view " + std::to_string(number), cell.flangeFor(T_camera_board), observation.corners});
   }
   return problem;
 }
@@ -101,7 +101,7 @@ void printDrawn(int seeds) {
       cell.robot_mm = kRobots[i].mm;
       cell.robot_deg = kRobots[i].deg;
       HandEyeProblem problem = drawn;
-      for (Sighting& s : problem.sightings) {
+      for (Observation& s : problem.observations) {
         s.T_base_flange = sim::reported(cell, s.T_base_flange, &random);
       }
       const HandEyeResult result = solveHandEye(problem, {});

@@ -21,11 +21,11 @@ inline HandEyeProblem oneAxis(const sim::BoardCell& cell, std::mt19937* random) 
   const Eigen::Vector3d axis =
       first.linear().transpose() *
       (cell.in_hand ? cell.T_other_board.linear().col(2) : cell.T_mount_camera.linear().col(2));
-  while (problem.sightings.size() < 12) {
+  while (problem.observations.size() < 12) {
     Eigen::Isometry3d T = first;
     T.linear() = first.linear() * Eigen::AngleAxisd(0.4 * any(*random), axis).toRotationMatrix();
     T.translation() += 0.02 * Eigen::Vector3d(any(*random), any(*random), any(*random));
-    addSighting(cell, T, random, &problem);
+    addObservation(cell, T, random, &problem);
   }
   return problem;
 }
@@ -38,9 +38,9 @@ inline HandEyeProblem withSquare(HandEyeProblem problem, double factor) {
 /// Poses `late` pictures old, or all of the later ones frozen.
 inline HandEyeProblem stale(HandEyeProblem problem, std::size_t late, std::size_t frozen_from) {
   const HandEyeProblem right = problem;
-  for (std::size_t i = late; i < right.sightings.size(); ++i) {
-    problem.sightings[i].T_base_flange =
-        right.sightings[std::min(i - late, frozen_from)].T_base_flange;
+  for (std::size_t i = late; i < right.observations.size(); ++i) {
+    problem.observations[i].T_base_flange =
+        right.observations[std::min(i - late, frozen_from)].T_base_flange;
   }
   return problem;
 }
@@ -56,10 +56,10 @@ inline HandEyeProblem counted(sim::BoardCell cell, int cols, int rows, std::mt19
     const auto T_camera_board = sim::randomView(cell, 0.42, 35.0, 0.5, random);
     if (!sim::seeCorners(cell, T_camera_board, random, &corners)) continue;
     const cv::Mat image = sim::takeBoardImage(cell, T_camera_board, 0.7, 2.0, ++i);
-    const BoardSighting sighting = findBoard(image, problem.board, 4.0);
-    if (sighting.status != BoardSighting::Status::kFound) continue;
-    problem.sightings.push_back(
-        {"view " + std::to_string(i), cell.flangeFor(T_camera_board), sighting.corners});
+    const BoardObservation observation = findBoard(image, problem.board, 4.0);
+    if (observation.status != BoardObservation::Status::kFound) continue;
+    problem.observations.push_back(
+        {"view " + std::to_string(i), cell.flangeFor(T_camera_board), observation.corners});
   }
   return problem;
 }

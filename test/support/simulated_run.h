@@ -59,9 +59,9 @@ struct RunWorld {
         continue;
       }
       HandEyeProblem one = emptyProblem(cell);
-      if (addSighting(cell, *target, &random, &one)) {
-        one.sightings[0].name = "view " + std::to_string(++outcome.pictures);
-        run.seen(one.sightings[0]);
+      if (addObservation(cell, *target, &random, &one)) {
+        one.observations[0].name = "view " + std::to_string(++outcome.pictures);
+        run.seen(one.observations[0]);
       } else {
         ++outcome.lost;
         run.lost();

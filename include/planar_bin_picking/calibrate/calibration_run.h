@@ -65,7 +65,7 @@ struct PlannedPose {
 
 class CalibrationRun {
  public:
-  /// @param empty  the problem without sightings
+  /// @param empty  the problem without observations
   /// @param start  flange pose from which the board is seen
   /// @throws std::invalid_argument  bad params or problem; the start lies outside the workspace
   CalibrationRun(const HandEyeProblem& empty, const HandEyeParams& solver, const RunParams& params,
@@ -78,7 +78,7 @@ class CalibrationRun {
   // What came of the pose that next() gave.
   void refused();  ///< the robot did not go there
   void lost();     ///< it went, and the board was not seen
-  void seen(const Sighting& sighting);
+  void seen(const Observation& observation);
 
   /// The verdict over all that was seen.
   HandEyeResult result() const { return solveHandEye(problem_, solver_); }

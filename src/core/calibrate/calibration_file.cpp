@@ -114,7 +114,7 @@ void putViews(YAML::Emitter& out, const HandEyeProblem& problem, const HandEyeRe
   for (std::size_t i = 0; i < result.views.size(); ++i) {
     const ViewResult& view = result.views[i];
     out << YAML::Flow << YAML::BeginMap;
-    put(out, "name", problem.sightings[i].name);
+    put(out, "name", problem.observations[i].name);
     put(out, "used", view.used);
     if (view.used) {
       put(out, "rms_px", view.rms_px);

@@ -91,7 +91,7 @@ bool CalibrationRun::isNearRefused(const Eigen::Isometry3d& T_base_flange) const
 }
 
 std::optional<Eigen::Isometry3d> CalibrationRun::next() {
-  if (static_cast<int>(problem_.sightings.size()) >= params_.views_max) return std::nullopt;
+  if (static_cast<int>(problem_.observations.size()) >= params_.views_max) return std::nullopt;
   if (attempts_ >= params_.attempts_max) return std::nullopt;
   if (solution_ && solution_->views_used >= solver_.min_views &&
       solution_->expected_error_mm <= solver_.tolerance_mm &&
@@ -159,14 +159,14 @@ void CalibrationRun::lost() {
   caution_ *= 1.3;
 }
 
-void CalibrationRun::seen(const Sighting& sighting) {
+void CalibrationRun::seen(const Observation& observation) {
   poses_.back().state = PlannedPose::State::kSeen;
-  problem_.sightings.push_back(sighting);
+  problem_.observations.push_back(observation);
   update();
 }
 
 void CalibrationRun::update() {
-  if (problem_.sightings.size() < kFirstViews) return;
+  if (problem_.observations.size() < kFirstViews) return;
   // Scale and leave-one-out are checked at the end alone.
   HandEyeParams provisional = solver_;
   provisional.min_views = 1000;

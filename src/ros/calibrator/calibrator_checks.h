@@ -26,7 +26,7 @@ void checkNear(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other,
                const CalibratorParams& params, const std::string& what, const std::string& where);
 
 /// Why no calibration can begin with this picture.
-std::string whyNoBoard(const planar_bin_picking::BoardSighting& seen, const cv::Mat& image,
+std::string whyNoBoard(const planar_bin_picking::BoardObservation& seen, const cv::Mat& image,
                        const planar_bin_picking::Board& board);
 
 /// Adds to the result what the solver cannot know: poses that gave no picture of the board.

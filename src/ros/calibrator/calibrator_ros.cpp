@@ -18,7 +18,7 @@
 
 namespace planar_bin_picking_ros {
 
-using planar_bin_picking::BoardSighting;
+using planar_bin_picking::BoardObservation;
 using planar_bin_picking::CalibrationRun;
 using planar_bin_picking::HandEyeProblem;
 using planar_bin_picking::HandEyeResult;
@@ -178,7 +178,7 @@ CalibratorRos::Look CalibratorRos::look() {
 std::string CalibratorRos::calibrate() {
   planar_bin_picking::checkCalibrationFolder(params_.output_folder);
   const Look first = look();
-  if (first.board.status != BoardSighting::Status::kFound) {
+  if (first.board.status != BoardObservation::Status::kFound) {
     throw std::runtime_error(whyNoBoard(first.board, first.image, board_));
   }
   CalibrationRun run(emptyProblem(first), params_.solver, params_.run, first.T_base_flange);
@@ -186,7 +186,7 @@ std::string CalibratorRos::calibrate() {
   while (const auto target = run.next()) {
     robot_.checkStop();
     setStatus("running: pose " + std::to_string(run.attempts()) + ", " +
-              std::to_string(run.problem().sightings.size()) + " pictures so far");
+              std::to_string(run.problem().observations.size()) + " pictures so far");
     show(run);
     visit(*target, move, first, &run);
     move = true;
@@ -254,14 +254,14 @@ void CalibratorRos::visit(const Eigen::Isometry3d& T_base_flange, bool move, con
   checkNear(T_base_reached, seen.T_base_flange, params_,
             "tf is stale or of another frame: it has the flange",
             "where the robot says that it stands");
-  if (seen.board.status != BoardSighting::Status::kFound) {
-    ROS_WARN_STREAM((seen.board.status == BoardSighting::Status::kBlurred ? "board blurred"
-                                                                          : "board not seen"));
+  if (seen.board.status != BoardObservation::Status::kFound) {
+    ROS_WARN_STREAM((seen.board.status == BoardObservation::Status::kBlurred ? "board blurred"
+                                                                             : "board not seen"));
     run->lost();
     return;
   }
-  run->seen({"picture " + std::to_string(run->problem().sightings.size() + 1), seen.T_base_flange,
-             seen.board.corners});
+  run->seen({"picture " + std::to_string(run->problem().observations.size() + 1),
+             seen.T_base_flange, seen.board.corners});
 }
 
 std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResult& result,
@@ -318,22 +318,22 @@ bool CalibratorRos::plan(Request&, Response& response) {
 void CalibratorRos::keep(const Look& seen) {
   if (!samples_) samples_ = std::make_unique<Samples>(Samples{emptyProblem(seen), seen.frame});
   checkSameCamera(samples_->first, seen.frame);
-  auto& sightings = samples_->problem.sightings;
-  sightings.push_back(
-      {"sample " + std::to_string(sightings.size() + 1), seen.T_base_flange, seen.board.corners});
+  auto& observations = samples_->problem.observations;
+  observations.push_back({"sample " + std::to_string(observations.size() + 1), seen.T_base_flange,
+                          seen.board.corners});
 }
 
 bool CalibratorRos::addSample(Request&, Response& response) {
   try {
     const auto hold = begin(CalibratorTask::Kind::kAddSample);
     const Look seen = look();
-    response.success = seen.board.status == BoardSighting::Status::kFound;
+    response.success = seen.board.status == BoardObservation::Status::kFound;
     if (response.success) keep(seen);
     response.message =
         (response.success ? "taken"
                           : "no sharp board of " + params_.board + " inner corners in view") +
         std::string("; there are ") +
-        std::to_string(samples_ ? samples_->problem.sightings.size() : 0) +
+        std::to_string(samples_ ? samples_->problem.observations.size() : 0) +
         " samples; ~finish solves";
   } catch (const std::exception& error) {
     response.success = false;

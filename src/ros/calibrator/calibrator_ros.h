@@ -44,7 +44,7 @@ class CalibratorRos {
 
   /// A picture and where the flange was when it was taken.
   struct Look {
-    planar_bin_picking::BoardSighting board;
+    planar_bin_picking::BoardObservation board;
     Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
     cv::Mat image;
     Frame frame;

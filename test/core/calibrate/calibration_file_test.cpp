@@ -63,7 +63,7 @@ TEST_F(CalibrationFile, ReadsWhatItWrote) {
 // A process that reads and writes 1.234,5 writes the same bytes, and reads them.
 TEST_F(CalibrationFile, KnowsNoLocale) {
   // One view does not belong to its pose: what is said of it has numbers, too.
-  auto& T = problem_.sightings[3].T_base_flange;
+  auto& T = problem_.observations[3].T_base_flange;
   T.linear() = T.linear() * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   result_ = solveHandEye(problem_, {});
   save();

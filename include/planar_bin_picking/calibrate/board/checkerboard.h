@@ -14,7 +14,7 @@
 namespace planar_bin_picking {
 
 /// How one picture of the board came out.
-struct BoardSighting {
+struct BoardObservation {
   enum class Status {
     kFound,     ///< all corners, to sub-pixels
     kNotFound,  ///< no board of that many inner corners
@@ -37,7 +37,7 @@ struct BoardSighting {
 ///          seen from the front, and the first square dark where the colours tell the ends apart.
 ///          What is left open is listed by orderings()
 /// @throws std::invalid_argument  image empty or of another type; a bad board
-BoardSighting findBoard(const cv::Mat& image, const Board& board, double blur_max);
+BoardObservation findBoard(const cv::Mat& image, const Board& board, double blur_max);
 
 /// Where no picture shows the stated board: the number of inner corners of a board that is seen in
 /// most of the pictures, as "8x6", or "" if there is none. Tries what one miscounts: one more or

@@ -24,8 +24,8 @@ namespace planar_bin_picking {
 
 /// Solves and judges. Deterministic. Degenerate input is an answer (REFUSED with reasons), not an
 /// error.
-/// @throws std::invalid_argument  bad board, image size, camera, params; a sighting with another
-/// number of
+/// @throws std::invalid_argument  bad board, image size, camera, params; an observation with
+/// another number of
 ///         corners than the board, or with anything not finite: which one
 /// Cost: about 0.2 s for 15 views of 9 x 6 corners; see test/benchmark/calibration.md.
 HandEyeResult solveHandEye(const HandEyeProblem& problem, const HandEyeParams& params);

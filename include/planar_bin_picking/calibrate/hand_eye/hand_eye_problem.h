@@ -19,7 +19,7 @@ namespace planar_bin_picking {
 enum class Mounting { kEyeInHand, kEyeToHand };
 
 /// One picture of the board and where the robot stood.
-struct Sighting {
+struct Observation {
   std::string name;  ///< for messages
   Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
   std::vector<Eigen::Vector2d> corners;  ///< pixels, one per corner of the board
@@ -29,7 +29,7 @@ struct HandEyeProblem {
   Mounting mounting = Mounting::kEyeInHand;
   Board board;
   int width = 0, height = 0;  ///< of the images
-  std::vector<Sighting> sightings;
+  std::vector<Observation> observations;
   /// Held fixed where given; otherwise intrinsics and plumb_bob distortion are estimated.
   std::optional<Camera::Model> camera;
 };
@@ -84,7 +84,7 @@ enum class Verdict {
 };
 const char* nameOf(Verdict verdict);  ///< GOOD, POOR, REFUSED
 
-/// What became of one sighting.
+/// What became of one observation.
 struct ViewResult {
   bool used = false;
   std::string why_not;                     ///< where it was not used
@@ -123,7 +123,7 @@ struct HandEyeResult {
   /// How far T_mount_camera moves at most when one view is left out.
   double leave_one_out_mm = 0.0, leave_one_out_deg = 0.0;
   int views_used = 0;
-  std::vector<ViewResult> views;  ///< one per sighting
+  std::vector<ViewResult> views;  ///< one per observation
 };
 
 /// Everything that the caller could get wrong. @throws std::invalid_argument  which one and why

@@ -209,10 +209,10 @@ int windowOf(double side) { return std::clamp(static_cast<int>(0.35 * side), 2, 
 
 }  // namespace
 
-BoardSighting findBoard(const cv::Mat& image, const Board& board, double blur_max) {
+BoardObservation findBoard(const cv::Mat& image, const Board& board, double blur_max) {
   validate(board);
   const cv::Mat grey_image = checkedGrey(image);
-  BoardSighting out;
+  BoardObservation out;
   std::vector<cv::Point2f> corners = search(grey_image, board);
   if (corners.empty()) return out;
   makeRightHanded(board, &corners);
@@ -223,10 +223,10 @@ BoardSighting findBoard(const cv::Mat& image, const Board& board, double blur_ma
                    {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 100, 1e-4});
   out.edge_px = edgeWidth(grey_image, board, corners, out.square_px);
   if (out.edge_px > blur_max) {
-    out.status = BoardSighting::Status::kBlurred;
+    out.status = BoardObservation::Status::kBlurred;
     return out;
   }
-  out.status = BoardSighting::Status::kFound;
+  out.status = BoardObservation::Status::kFound;
   for (const cv::Point2f& p : corners) out.corners.emplace_back(p.x, p.y);
   return out;
 }

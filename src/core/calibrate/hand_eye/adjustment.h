@@ -26,7 +26,7 @@ struct AdjustOptions {
   int rounds = 12;  ///< of re-estimating the noise; 0 = one solve with the noise as it is
 };
 
-/// State of the solution over some of the sightings.
+/// State of the solution over some of the observations.
 struct Adjusted {
   Chain chain;
   Noise noise;
@@ -37,7 +37,7 @@ struct Adjusted {
   bool degenerate = false;  ///< the covariance does not exist
   /// Squared residuals, in variances, that another camera than the given one would take away; 0
   /// where that many could do so by chance.
-  double camera_misfit = 0.0;
+  double camera_model_error = 0.0;
 };
 
 }  // namespace planar_bin_picking

@@ -9,8 +9,8 @@
 namespace planar_bin_picking {
 
 /// Starts from `start` and the noise in it, weights corners robustly, re-estimates the noise.
-/// @param views  pointers to usable sightings
-Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+/// @param views  pointers to usable observations
+Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                 const Adjusted& start, const AdjustOptions& options);
 
 /// A start without corrections.

@@ -156,14 +156,14 @@ std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T
 }
 
 std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
-                                       const Sighting& sighting, const Vector6d& correction) {
+                                       const Observation& observation, const Vector6d& correction) {
   Increment increment;
   increment.correction = correction;
-  const auto prediction = predict(chain, sighting.T_base_flange, increment, board, false);
+  const auto prediction = predict(chain, observation.T_base_flange, increment, board, false);
   std::vector<Eigen::Vector2d> out;
   if (!prediction) return out;
-  for (std::size_t i = 0; i < sighting.corners.size(); ++i) {
-    out.push_back(sighting.corners[i] -
+  for (std::size_t i = 0; i < observation.corners.size(); ++i) {
+    out.push_back(observation.corners[i] -
                   prediction->pixels.segment<2>(2 * static_cast<Eigen::Index>(i)));
   }
   return out;

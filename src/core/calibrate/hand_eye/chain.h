@@ -47,7 +47,7 @@ std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T
 
 /// Residuals of a view: seen minus predicted. Empty where the prediction fails.
 std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
-                                       const Sighting& sighting, const Vector6d& correction);
+                                       const Observation& observation, const Vector6d& correction);
 
 /// The intrinsics as Camera has them, and back; denominatorOf() is what fromModel() leaves out.
 Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int height);

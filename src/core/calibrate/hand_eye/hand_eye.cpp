@@ -28,9 +28,9 @@ struct Work {
   AdjustOptions options;
   Noise noise;
 
-  std::vector<const Sighting*> views() const {
-    std::vector<const Sighting*> out;
-    for (const Usable& view : usable) out.push_back(&view.sighting);
+  std::vector<const Observation*> views() const {
+    std::vector<const Observation*> out;
+    for (const Usable& view : usable) out.push_back(&view.observation);
     return out;
   }
   std::vector<PosePair> motions() const {
@@ -44,7 +44,7 @@ struct Work {
 double chainError(const Work& work, const Chain& chain) {
   std::vector<double> errors;
   for (const Usable& view : work.usable) {
-    const auto r = residuals(chain, work.problem.board, view.sighting, Vector6d::Zero());
+    const auto r = residuals(chain, work.problem.board, view.observation, Vector6d::Zero());
     errors.push_back(r.empty() ? std::numeric_limits<double>::infinity() : rms(r));
   }
   std::sort(errors.begin(), errors.end());
@@ -114,24 +114,24 @@ bool dropOutliers(const Adjusted& state, Work* work, std::vector<ViewResult>* vi
 void fillViews(const Work& work, const Adjusted& state, HandEyeResult* result) {
   double with = 0.0, without = 0.0, floor = 0.0;
   for (std::size_t i = 0; i < work.usable.size(); ++i) {
-    const Sighting& sighting = work.usable[i].sighting;
+    const Observation& observation = work.usable[i].observation;
     ViewResult& view = result->views[work.usable[i].index];
     view.used = true;
     view.correction = state.corrections[i];
     view.T_camera_board =
-        state.chain.cameraBoard(sighting.T_base_flange * exp(state.corrections[i]));
-    view.residuals = residuals(state.chain, work.problem.board, sighting, state.corrections[i]);
+        state.chain.cameraBoard(observation.T_base_flange * exp(state.corrections[i]));
+    view.residuals = residuals(state.chain, work.problem.board, observation, state.corrections[i]);
     view.rms_px = rms(view.residuals);
     Chain placed = state.chain;
     placed.mounting = Mounting::kEyeToHand;
     placed.T_mount_camera = Eigen::Isometry3d::Identity();
     placed.T_other_board =
-        boardPoseNear(result->camera, work.problem.board, sighting.corners, view.T_camera_board);
-    Sighting still = sighting;
+        boardPoseNear(result->camera, work.problem.board, observation.corners, view.T_camera_board);
+    Observation still = observation;
     still.T_base_flange = Eigen::Isometry3d::Identity();
     const auto free = residuals(placed, work.problem.board, still, Vector6d::Zero());
     view.floor_px = free.empty() ? view.rms_px : rms(free);
-    const auto raw = residuals(state.chain, work.problem.board, sighting, Vector6d::Zero());
+    const auto raw = residuals(state.chain, work.problem.board, observation, Vector6d::Zero());
     with += view.rms_px * view.rms_px;
     floor += view.floor_px * view.floor_px;
     without += raw.empty() ? 0.0 : std::pow(rms(raw), 2);
@@ -154,10 +154,10 @@ void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result
   result->robot_mm = 1e3 * state.noise.robot_t;
   result->robot_deg = state.noise.robot_r / kRadians;
   fillViews(work, state, result);
-  if (state.camera_misfit > 0.0) {
+  if (state.camera_model_error > 0.0) {
     const auto corners = static_cast<double>(work.usable.size() * work.problem.board.size());
     const double without = std::pow(result->rms_px, 2) -
-                           state.camera_misfit * std::pow(state.noise.pixel, 2) / corners;
+                           state.camera_model_error * std::pow(state.noise.pixel, 2) / corners;
     result->own_camera_px = std::sqrt(std::max(0.0, without));
   }
   std::vector<double> distances;
@@ -186,7 +186,7 @@ void leaveOneOut(const Work& work, const Adjusted& state, HandEyeResult* result)
   AdjustOptions options = work.options;
   options.rounds = 0;
   for (std::size_t leave = 0; leave < work.usable.size(); ++leave) {
-    std::vector<const Sighting*> views = work.views();
+    std::vector<const Observation*> views = work.views();
     Adjusted start = state;
     const auto at = static_cast<std::ptrdiff_t>(leave);
     views.erase(views.begin() + at);
@@ -244,7 +244,7 @@ void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findin
 std::array<double, 9> firstCamera(const HandEyeProblem& problem) {
   if (problem.camera) return fromModel(*problem.camera);
   std::vector<std::vector<Eigen::Vector2d>> views;
-  for (const Sighting& sighting : problem.sightings) views.push_back(sighting.corners);
+  for (const Observation& observation : problem.observations) views.push_back(observation.corners);
   return fromModel(cameraFromBoards(problem.board, views, problem.width, problem.height));
 }
 
@@ -263,14 +263,14 @@ HandEyeResult solveHandEye(const HandEyeProblem& problem, const HandEyeParams& p
   HandEyeResult result;
   const bool in_hand = problem.mounting == Mounting::kEyeInHand;
   result.transform_name = in_hand ? "T_flange_camera" : "T_base_camera";
-  result.views.resize(problem.sightings.size());
+  result.views.resize(problem.observations.size());
   Findings findings;
-  if (problem.sightings.size() >= kFewest) {
+  if (problem.observations.size() >= kFewest) {
     const std::array<double, 9> intrinsics = firstCamera(problem);
     Work work{problem, params, {}, {}, firstNoise(params)};
     work.options.fixed_camera = problem.camera.has_value();
     work.options.fixed_robot_noise = params.robot_sigma_mm > 0.0 && params.robot_sigma_deg > 0.0;
-    work.usable = checkSightings(problem, params, intrinsics, &result.views, &findings);
+    work.usable = checkObservations(problem, params, intrinsics, &result.views, &findings);
     result.views_used = static_cast<int>(work.usable.size());
     result.axes_deg = secondAxis(work.motions(), params) / kRadians;
     if (work.usable.size() >= kFewest) solve(&work, intrinsics, &findings, &result);

@@ -27,17 +27,17 @@ void validate(const HandEyeProblem& problem) {
     }
     const Camera checked(*problem.camera);
   }
-  for (const Sighting& sighting : problem.sightings) {
-    if (sighting.corners.size() != problem.board.size()) {
-      refuse(sighting.name + " has " + std::to_string(sighting.corners.size()) +
+  for (const Observation& observation : problem.observations) {
+    if (observation.corners.size() != problem.board.size()) {
+      refuse(observation.name + " has " + std::to_string(observation.corners.size()) +
              " corners, the board has " + std::to_string(problem.board.size()));
     }
-    bool finite = sighting.T_base_flange.matrix().allFinite();
-    for (const Eigen::Vector2d& p : sighting.corners) finite = finite && p.allFinite();
-    if (!finite) refuse(sighting.name + " has numbers that are not finite");
-    const Eigen::Matrix3d R = sighting.T_base_flange.linear();
+    bool finite = observation.T_base_flange.matrix().allFinite();
+    for (const Eigen::Vector2d& p : observation.corners) finite = finite && p.allFinite();
+    if (!finite) refuse(observation.name + " has numbers that are not finite");
+    const Eigen::Matrix3d R = observation.T_base_flange.linear();
     if ((R.transpose() * R - Eigen::Matrix3d::Identity()).norm() > 1e-4 || R.determinant() < 0.0) {
-      refuse(sighting.name + ": the robot pose is no rigid motion");
+      refuse(observation.name + ": the robot pose is no rigid motion");
     }
   }
 }

@@ -12,11 +12,11 @@
 namespace planar_bin_picking {
 namespace {
 
-/// Beyond so many standard deviations a corner's pull no longer grows (Huber).
+/// Beyond so many standard deviations a corner's influence no longer grows (Huber).
 constexpr double kHuber = 2.5;
 
 /// Pixel noise from the median distance, and each corner's weight.
-void weighCorners(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+void weighCorners(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                   const AdjustOptions& options, Adjusted* state) {
   std::vector<std::vector<double>> distances;
   std::vector<double> all;
@@ -45,7 +45,7 @@ void weighCorners(const HandEyeProblem& problem, const std::vector<const Sightin
 
 }  // namespace
 
-void estimateNoise(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+void estimateNoise(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                    const AdjustOptions& options, Adjusted* state) {
   weighCorners(problem, views, options, state);
   if (options.fixed_robot_noise) return;
@@ -76,15 +76,15 @@ void estimateNoise(const HandEyeProblem& problem, const std::vector<const Sighti
   noise.robot_r = updated(square_r, trace_r, noise.robot_r, kExactR);
 }
 
-void estimateCovariance(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+void estimateCovariance(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                         const AdjustOptions& options, Adjusted* state) {
   const auto normals = normalsOf(problem, views, options, *state);
   const auto covariance = normals ? invertInformation(normals->information, options) : std::nullopt;
   state->degenerate = !covariance;
   state->covariance = covariance ? *covariance : Eigen::MatrixXd::Zero(kColumns, kColumns);
-  state->camera_misfit = 0.0;
+  state->camera_model_error = 0.0;
   if (state->degenerate) return;
-  widenByScatter(*normals, options, state);
+  widenByScoreScatter(*normals, options, state);
   if (options.fixed_camera && !options.free_scale) widenByGivenCamera(problem, *normals, state);
 }
 

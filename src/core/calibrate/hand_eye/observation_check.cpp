@@ -21,7 +21,7 @@ std::vector<Eigen::Vector2d> reordered(const std::vector<Eigen::Vector2d>& corne
   return out;
 }
 
-double meanShift(const Sighting& a, const Sighting& b) {
+double meanShift(const Observation& a, const Observation& b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.corners.size(); ++i) sum += (a.corners[i] - b.corners[i]).norm();
   return sum / static_cast<double>(a.corners.size());
@@ -32,7 +32,7 @@ void findStale(const std::vector<Usable>& views, Findings* findings) {
   constexpr double kSameMetres = 2e-5, kSameRadians = 0.01 * kRadians, kMovedPx = 3.0;
   for (std::size_t i = 1; i < views.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const Sighting &a = views[i].sighting, &b = views[j].sighting;
+      const Observation &a = views[i].observation, &b = views[j].observation;
       const Eigen::Isometry3d between = a.T_base_flange.inverse() * b.T_base_flange;
       if (between.translation().norm() > kSameMetres) continue;
       if (rotationAngle(between.linear()) > kSameRadians) continue;
@@ -57,18 +57,18 @@ bool lateByOne(const std::vector<Usable>& views, double wrong) {
 
 }  // namespace
 
-std::vector<Usable> checkSightings(const HandEyeProblem& problem, const HandEyeParams& params,
-                                   const std::array<double, 9>& intrinsics,
-                                   std::vector<ViewResult>* views, Findings* findings) {
+std::vector<Usable> checkObservations(const HandEyeProblem& problem, const HandEyeParams& params,
+                                      const std::array<double, 9>& intrinsics,
+                                      std::vector<ViewResult>* views, Findings* findings) {
   const Camera::Model camera =
       problem.camera ? *problem.camera : toModel(intrinsics, problem.width, problem.height);
   std::vector<Usable> usable;
-  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
-    const Sighting& sighting = problem.sightings[i];
-    const auto T_camera_board = boardPose(camera, problem.board, sighting.corners);
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const Observation& observation = problem.observations[i];
+    const auto T_camera_board = boardPose(camera, problem.board, observation.corners);
     if (T_camera_board) {
-      const Eigen::Isometry3d robot = robotSide(problem.mounting, sighting.T_base_flange);
-      usable.push_back({i, sighting, {robot, *T_camera_board}});
+      const Eigen::Isometry3d robot = robotSide(problem.mounting, observation.T_base_flange);
+      usable.push_back({i, observation, {robot, *T_camera_board}});
     } else {
       (*views)[i].why_not = "no pose of the board fits its corners";
     }
@@ -80,9 +80,9 @@ std::vector<Usable> checkSightings(const HandEyeProblem& problem, const HandEyeP
   for (std::size_t i = 0; i < usable.size(); ++i) {
     Usable& view = usable[i];
     if (chosen[i] == 0) continue;
-    view.sighting.corners = reordered(view.sighting.corners, all[chosen[i]]);
+    view.observation.corners = reordered(view.observation.corners, all[chosen[i]]);
     view.poses.board =
-        boardPose(camera, problem.board, view.sighting.corners).value_or(view.poses.board);
+        boardPose(camera, problem.board, view.observation.corners).value_or(view.poses.board);
     motions[i] = view.poses;
   }
   findStale(usable, findings);

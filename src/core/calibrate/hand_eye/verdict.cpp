@@ -58,7 +58,7 @@ void judgeViews(const HandEyeProblem& problem, const HandEyeParams& params,
                 const Findings& findings, const HandEyeResult& result, Reasons* reasons) {
   std::size_t wrong = 0;
   for (const ViewResult& view : result.views) wrong += view.why_not.empty() ? 0 : 1;
-  const std::size_t count = problem.sightings.size();
+  const std::size_t count = problem.observations.size();
   if (findings.late_by_one) {
     reasons->refusing.push_back(
         "tf is stale: the robot poses fit the pictures taken one pose before; look the robot up at "

@@ -26,7 +26,7 @@ class ErrorModel {
 
 /// What the checks before the solution found.
 struct Findings {
-  std::vector<std::string> stale;  ///< sightings whose robot pose is older than their image
+  std::vector<std::string> stale;  ///< observations whose robot pose is older than their image
   bool late_by_one = false;        ///< all poses fit the image before their own
   std::string camera_error;        ///< why the estimated lens cannot be used; "" where it can
 };
