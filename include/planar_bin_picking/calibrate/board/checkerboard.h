@@ -28,8 +28,9 @@ struct BoardObservation {
 };
 
 /// Finds the board by OpenCV's sector-based detector, and where that one fails, by its classic one
-/// (which comes second since it may take minutes where there is only part of a board); then refines
-/// the corners to sub-pixels in a window that fits the squares.
+/// (which comes second since it may take minutes where there is only part of a board), and by the
+/// first again in a finer image; then refines the corners to sub-pixels in a window that fits the
+/// squares.
 /// @param image     grey, 8 or 16 bit
 /// @param blur_max  largest edge_px allowed, pixels
 /// @return  corners in an order that the board's looks allow: rows and columns as stated,
@@ -39,9 +40,12 @@ struct BoardObservation {
 /// @throws std::invalid_argument  image empty or of another type; a bad board
 BoardObservation findBoard(const cv::Mat& image, const Board& board, double blur_max);
 
-/// Where no picture shows the stated board: the number of inner corners of a board that is seen in
-/// most of the pictures, as "8x6", or "" if there is none. Tries what one miscounts: one more or
-/// less, squares in place of inner corners.
+/// Where no picture shows the stated board: the number of inner corners of a board that is seen
+/// whole in most of the pictures, as "8x6", or "" if there is none.
 std::string findOtherBoard(const std::vector<cv::Mat>& images, const Board& board);
+
+/// Why pictures in which findBoard() found nothing do not show the stated board, and what to do:
+/// its corners are miscounted, it is partly out of view, or there is none.
+std::string whyBoardIsMissing(const std::vector<cv::Mat>& images, const Board& board);
 
 }  // namespace planar_bin_picking

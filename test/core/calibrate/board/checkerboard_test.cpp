@@ -115,6 +115,34 @@ TEST(Checkerboard, NamesTheBoardThatIsThere) {
   EXPECT_EQ(findOtherBoard({cv::Mat(800, 1000, CV_8U, cv::Scalar(90))}, {9, 7, 0.02}), "");
 }
 
+TEST(Checkerboard, SaysWhyItIsMissing) {
+  const sim::BoardCell cell = smallCell(9, 6);
+  const auto seen = [&](double right) {
+    Eigen::Isometry3d T_camera_board = tilted(cell, 0.0);
+    T_camera_board.translation().x() += right;
+    return sim::takeBoardImage(cell, T_camera_board, 0.7, 2.0, 1);
+  };
+  const auto why = [](const cv::Mat& image, const Board& board) {
+    return whyBoardIsMissing({image}, board);
+  };
+  EXPECT_EQ(why(seen(0.0), {10, 7, 0.02}).find("inner corners miscounted"), 0u);
+  EXPECT_NE(why(seen(0.0), {10, 7, 0.02}).find("9x6"), std::string::npos);
+  // Half of it is seen; it is no board of fewer corners.
+  EXPECT_EQ(why(seen(0.16), {9, 6, 0.02}).find("board partly out of view"), 0u);
+  EXPECT_EQ(findOtherBoard({seen(0.16)}, {9, 6, 0.02}), "");
+  EXPECT_EQ(why(seen(2.0), {9, 6, 0.02}).find("no board"), 0u);
+}
+
+// Shrunk to the size that is searched first, its squares have 4 pixels.
+TEST(Checkerboard, IsFoundWhereItIsSmallInALargePicture) {
+  sim::BoardCell cell = smallCell(4, 3);
+  cell.camera = {2800, 2000, 1400.0, 1398.0, 1400.0, 1000.0, {0.0, 0.0, 0.0, 0.0, 0.0}};
+  Eigen::Isometry3d T_camera_board = tilted(cell, 25.0);
+  T_camera_board.translation() *= 5.0;
+  const cv::Mat image = sim::takeBoardImage(cell, T_camera_board, 0.6, 1.0, 1);
+  EXPECT_EQ(findBoard(image, boardOf(cell), 3.0).status, BoardObservation::Status::kFound);
+}
+
 TEST(Checkerboard, RefusesBadInput) {
   EXPECT_TRUE(refuses([] { parseBoard("9 by 6", 0.02); }, {"9 by 6", "9x6"}));
   EXPECT_TRUE(refuses([] { parseBoard("9x6x2", 0.02); }, {"9x6x2"}));
