@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Simulated calibrations over many seeds: `calibration [SEEDS]` prints the tables in
+/// Simulated calibrations over many seeds: `calibration [SEEDS [mistakes]]` prints the tables in
 /// calibration.md. Whole runs that choose their own views, half of them eye-in-hand; the same with
 /// drawn pictures; the solver against OpenCV's Park; and what must be refused.
 
@@ -10,6 +10,7 @@
 #include "support/simulated_run.h"
 
 #include <cstdlib>
+#include <string>
 
 namespace planar_bin_picking {
 namespace {
@@ -128,7 +129,11 @@ int main(int argc, char** argv) {
                  argv[1]);
     return 2;
   }
-  printRuns(seeds);
+  const std::string only = argc > 2 ? argv[2] : "";
+  if (only != "mistakes") printRuns(seeds);
+  printMistakes(seeds);
+  printMissingBoards(std::max(1, seeds / 5));
+  if (only == "mistakes") return 0;
   printRefusals(seeds);
   printPark(seeds);
   printDrawn(std::max(1, seeds / 5));

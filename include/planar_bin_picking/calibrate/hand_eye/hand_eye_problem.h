@@ -35,7 +35,7 @@ struct HandEyeProblem {
 };
 
 struct HandEyeParams {
-  int min_views = 8;             ///< fewer usable views are refused
+  int min_views = 8;             ///< fewer usable views are refused; nearly equal ones count once
   double robot_sigma_mm = 0.0;   ///< accuracy of the robot's poses; 0 = estimated from the data
   double robot_sigma_deg = 0.0;  ///< likewise
   double axes_min_deg = 5.0;  ///< rotations about the second axis, RMS, below which it is refused
@@ -106,8 +106,11 @@ struct HandEyeResult {
   /// Of [fx fy cx cy k1 k2 p1 p2 k3, xi of T_mount_camera, xi of T_other_board]; of a given camera:
   /// zero unless the pictures contradict it, then by how much.
   SharedMatrix covariance = SharedMatrix::Zero();
-  double rms_px = 0.0;        ///< whole chain, with the corrected robot poses
-  double chain_px = 0.0;      ///< whole chain, with the robot poses as they were reported
+  double rms_px = 0.0;    ///< whole chain, with the corrected robot poses
+  double chain_px = 0.0;  ///< whole chain, with the robot poses as they were reported
+  /// Mean over the views of the whole chain's residual as the other views predict it, with the
+  /// robot pose as it was reported; 0 with too few views.
+  double held_out_px = 0.0;
   double pnp_floor_px = 0.0;  ///< each board placed freely: what the corners allow
   /// Where the pictures contradict the given camera: about the residual that one estimated from
   /// them would leave; else 0.
@@ -122,6 +125,7 @@ struct HandEyeResult {
   double working_distance = 0.0;  ///< that it holds for
   /// How far T_mount_camera moves at most when one view is left out.
   double leave_one_out_mm = 0.0, leave_one_out_deg = 0.0;
+  std::string leave_one_out_view;  ///< without which it moves farthest
   int views_used = 0;
   std::vector<ViewResult> views;  ///< one per observation
 };

@@ -16,12 +16,16 @@ struct Noise {
   double pixel = 0.2;     ///< pixels
   double robot_t = 1e-3;  ///< metres
   double robot_r = 2e-3;  ///< radians
+  /// By which correlated corners of a view weigh less than independent ones, a factor on `pixel`.
+  double widening = 1.0;
+
+  double effectivePixel() const { return pixel * widening; }
 };
 
 struct AdjustOptions {
   bool fixed_camera = false;
   bool free_scale = false;
-  double lens_share = 1.0;         ///< of the usual lens prior
+  LensFreedom lens = LensFreedom::kFull;
   bool fixed_robot_noise = false;  ///< given by the user; otherwise estimated
   int rounds = 12;  ///< of re-estimating the noise; 0 = one solve with the noise as it is
 };

@@ -5,6 +5,7 @@
 #include "calibrate/hand_eye/noise_estimate.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +21,8 @@ class ViewCost : public ceres::CostFunction {
       : board_(problem.board), observation_(observation), chain_(state.chain) {
     set_num_residuals(2 * static_cast<int>(board_.size()));
     *mutable_parameter_block_sizes() = {9, 6, 6, 1, 6};
-    for (const double weight : weights) roots_.push_back(std::sqrt(weight) / state.noise.pixel);
+    for (const double weight : weights)
+      roots_.push_back(std::sqrt(weight) / state.noise.effectivePixel());
   }
 
   bool Evaluate(double const* const* parameters, double* out, double** jacobians) const override {
@@ -85,6 +87,19 @@ class PriorCost : public ceres::CostFunction {
   std::vector<double> sigmas_;
 };
 
+/// Ceres tells its log, and so stderr, of each step that it could not take; what comes of a solve
+/// is told by its summary.
+class QuietCeres {
+ public:
+  QuietCeres() { FLAGS_minloglevel = google::GLOG_FATAL; }
+  ~QuietCeres() { FLAGS_minloglevel = before_; }
+  QuietCeres(const QuietCeres&) = delete;
+  QuietCeres& operator=(const QuietCeres&) = delete;
+
+ private:
+  const int before_ = FLAGS_minloglevel;
+};
+
 ceres::Solver::Options solverOptions() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
@@ -121,8 +136,7 @@ void solveOnce(const HandEyeProblem& problem, const std::vector<const Observatio
   if (options.fixed_camera) {
     problem_ceres.SetParameterBlockConstant(intrinsics.data());
   } else {
-    auto lens = lensPrior(intrinsics, problem.width, problem.height);
-    for (double& sigma : lens) sigma *= options.lens_share;
+    const auto lens = lensPrior(intrinsics, problem.width, problem.height, options.lens);
     problem_ceres.AddResidualBlock(new PriorCost({lens.begin(), lens.end()}), nullptr,
                                    intrinsics.data());
   }
@@ -130,6 +144,7 @@ void solveOnce(const HandEyeProblem& problem, const std::vector<const Observatio
   ceres::Solver::Options solver = solverOptions();
   solver.linear_solver_ordering.reset(ordering);
   ceres::Solver::Summary summary;
+  const QuietCeres quiet;
   ceres::Solve(solver, &problem_ceres, &summary);
   state->converged = summary.IsSolutionUsable();
   if (!state->converged) return;

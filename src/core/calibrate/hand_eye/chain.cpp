@@ -220,19 +220,26 @@ Chain moved(const Chain& chain, const Increment& increment) {
   return out;
 }
 
-std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height) {
+std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height,
+                                LensFreedom freedom) {
   const double r = 0.5 * std::hypot(width, height) / intrinsics[0], r2 = r * r;
   // Shares of the distance of the image's corner from its centre: a strong lens has 0.3 in all.
   constexpr double kRadial = 0.3, kTangential = 0.02;
+  // What is held this firmly moves no corner by a hundredth of a pixel.
+  constexpr double kHeld = 1e-5;
+  const double k1 = freedom == LensFreedom::kFull   ? 1.0
+                    : freedom == LensFreedom::kNone ? kHeld
+                                                    : 0.1;
+  const double others = freedom == LensFreedom::kFirstRadial ? kHeld : k1;
   return {0.0,
           0.0,
           0.0,
           0.0,
-          kRadial / r2,
-          kRadial / (r2 * r2),
-          kTangential / r,
-          kTangential / r,
-          kRadial / (r2 * r2 * r2)};
+          k1 * kRadial / r2,
+          others * kRadial / (r2 * r2),
+          others * kTangential / r,
+          others * kTangential / r,
+          others * kRadial / (r2 * r2 * r2)};
 }
 
 }  // namespace planar_bin_picking

@@ -61,9 +61,18 @@ double rms(const std::vector<Eigen::Vector2d>& residuals);
 /// The increment applied, and the place of a corrected robot pose.
 Chain moved(const Chain& chain, const Increment& increment);
 
+/// How freely the lens is estimated. Where the freest folds the image over, a plainer one is tried.
+enum class LensFreedom {
+  kFull,         ///< all five coefficients, within what a strong lens has
+  kStiff,        ///< likewise, within a tenth of that
+  kFirstRadial,  ///< k1 alone
+  kNone,         ///< a pinhole
+};
+
 /// Standard deviations that keep lens coefficients sane while views are few: each term may move the
 /// image's corner by a large share of its distance from the centre; see chain.cpp. Order
 /// as intrinsics. Zero: no such limit.
-std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height);
+std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height,
+                                LensFreedom freedom = LensFreedom::kFull);
 
 }  // namespace planar_bin_picking

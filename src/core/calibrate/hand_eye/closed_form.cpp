@@ -63,7 +63,10 @@ std::optional<Chain> fromPairs(const std::vector<RelativePair>& pairs, bool free
   Chain chain;
   chain.T_mount_camera = rigid(R, x.head<3>());
   chain.scale = free_scale ? x[3] : 1.0;
-  if (!x.allFinite() || !(chain.scale > 0.05 && chain.scale < 20.0)) return std::nullopt;
+  // Millimetres given for metres are a factor of 1000.
+  constexpr double kScaleMost = 1e4;
+  if (!x.allFinite()) return std::nullopt;
+  if (!(chain.scale > 1.0 / kScaleMost && chain.scale < kScaleMost)) return std::nullopt;
   return chain;
 }
 
@@ -166,6 +169,13 @@ std::vector<std::size_t> chooseOrderings(const std::vector<PosePair>& motions, c
     if (!changed && round > 0) break;
   }
   return chosen;
+}
+
+std::vector<Eigen::Vector2d> reordered(const std::vector<Eigen::Vector2d>& corners,
+                                       const std::vector<std::size_t>& ordering) {
+  std::vector<Eigen::Vector2d> out;
+  for (const std::size_t i : ordering) out.push_back(corners[i]);
+  return out;
 }
 
 std::vector<double> angleErrors(const std::vector<PosePair>& motions) {

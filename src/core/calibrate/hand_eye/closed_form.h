@@ -24,6 +24,10 @@ Eigen::Isometry3d robotSide(Mounting mounting, const Eigen::Isometry3d& T_base_f
 /// the board turns by the same angles as the robot.
 std::vector<std::size_t> chooseOrderings(const std::vector<PosePair>& motions, const Board& board);
 
+/// Corners in another order.
+std::vector<Eigen::Vector2d> reordered(const std::vector<Eigen::Vector2d>& corners,
+                                       const std::vector<std::size_t>& ordering);
+
 /// Median difference between the robot's and the board's angle over the pairs of each view,
 /// radians.
 std::vector<double> angleErrors(const std::vector<PosePair>& motions);

@@ -5,6 +5,7 @@
 #include "calibrate/board/board_views.h"
 #include "calibrate/hand_eye/bundle_adjustment.h"
 #include "calibrate/hand_eye/closed_form.h"
+#include "calibrate/hand_eye/mistakes.h"
 #include "calibrate/hand_eye/observation_check.h"
 #include "calibrate/hand_eye/verdict.h"
 
@@ -156,8 +157,9 @@ void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result
   fillViews(work, state, result);
   if (state.camera_model_error > 0.0) {
     const auto corners = static_cast<double>(work.usable.size() * work.problem.board.size());
-    const double without = std::pow(result->rms_px, 2) -
-                           state.camera_model_error * std::pow(state.noise.pixel, 2) / corners;
+    const double without =
+        std::pow(result->rms_px, 2) -
+        state.camera_model_error * std::pow(state.noise.effectivePixel(), 2) / corners;
     result->own_camera_px = std::sqrt(std::max(0.0, without));
   }
   std::vector<double> distances;
@@ -196,10 +198,86 @@ void leaveOneOut(const Work& work, const Adjusted& state, HandEyeResult* result)
     if (!without.converged) continue;
     const Eigen::Isometry3d between =
         state.chain.T_mount_camera.inverse() * without.chain.T_mount_camera;
-    result->leave_one_out_mm =
-        std::max(result->leave_one_out_mm, 1e3 * between.translation().norm());
+    const double mm = 1e3 * between.translation().norm();
+    if (mm > result->leave_one_out_mm) {
+      result->leave_one_out_mm = mm;
+      result->leave_one_out_view = work.usable[leave].observation.name;
+    }
     result->leave_one_out_deg =
         std::max(result->leave_one_out_deg, rotationAngle(between.linear()) / kRadians);
+  }
+}
+
+/// Each view's error as the other views predict it, with its robot pose as reported; pixels.
+std::vector<double> heldOutErrors(const Work& work, const Adjusted& state) {
+  constexpr std::size_t kFolds = 5;
+  AdjustOptions options = work.options;
+  options.rounds = 0;
+  std::vector<double> errors(work.usable.size(), 0.0);
+  for (std::size_t fold = 0; fold < kFolds; ++fold) {
+    std::vector<const Observation*> views;
+    Adjusted start = startAt(state.chain, state.noise, 0, 0);
+    for (std::size_t i = 0; i < work.usable.size(); ++i) {
+      if (i % kFolds == fold) continue;
+      views.push_back(&work.usable[i].observation);
+      start.corrections.push_back(state.corrections[i]);
+      start.weights.push_back(state.weights[i]);
+    }
+    const Adjusted without = adjust(work.problem, views, start, options);
+    for (std::size_t i = fold; i < work.usable.size(); i += kFolds) {
+      const auto r = residuals(without.chain, work.problem.board, work.usable[i].observation,
+                               Vector6d::Zero());
+      errors[i] = r.empty() ? work.problem.width : rms(r);
+    }
+  }
+  return errors;
+}
+
+double meanOf(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Whether `errors` are smaller than `reference` by more than chance, view by view.
+bool areSurelySmaller(const std::vector<double>& errors, const std::vector<double>& reference) {
+  // Two standard errors, and a quarter: the error as the robot reports its poses falls a little
+  // with any smaller noise, since that fits these poses more closely; the camera's place need not
+  // gain by it.
+  constexpr double kStandardErrors = 2.0, kShare = 0.25;
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < errors.size(); ++i) gains.push_back(reference[i] - errors[i]);
+  const double gain = meanOf(gains);
+  double square = 0.0;
+  for (const double g : gains) square += (g - gain) * (g - gain);
+  const auto n = static_cast<double>(gains.size());
+  return gain > kStandardErrors * std::sqrt(square / (n * (n - 1.0))) &&
+         gain > kShare * meanOf(reference);
+}
+
+/// Errors of corners that the noise model does not know are easily taken for the robot's. Where
+/// held-out views are surely predicted better with another robot noise, that one is right.
+void chooseRobotNoise(Work* work, Adjusted* state, HandEyeResult* result) {
+  const Noise estimated = state->noise;
+  const std::vector<double> reference = heldOutErrors(*work, *state);
+  result->held_out_px = meanOf(reference);
+  if (work->options.fixed_robot_noise) return;
+  for (const double factor : {0.1, 0.3, 3.0}) {
+    Adjusted trial = *state;
+    trial.noise = estimated;
+    trial.noise.robot_t *= factor;
+    trial.noise.robot_r *= factor;
+    const std::vector<double> errors = heldOutErrors(*work, trial);
+    if (!areSurelySmaller(errors, reference) || !(meanOf(errors) < result->held_out_px)) continue;
+    AdjustOptions options = work->options;
+    options.fixed_robot_noise = true;
+    trial = adjust(work->problem, work->views(), trial, options);
+    if (!trial.converged || trial.degenerate) continue;
+    // What the corners cannot have is the robot's: a smaller noise may not leave it to them.
+    constexpr double kCornersAllow = 1.5;
+    if (trial.noise.pixel > kCornersAllow * estimated.pixel) continue;
+    result->held_out_px = meanOf(errors);
+    *state = trial;
   }
 }
 
@@ -224,9 +302,11 @@ std::optional<Adjusted> solveRobustly(Work* work, const std::array<double, 9>& i
 void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findings,
            HandEyeResult* result) {
   auto state = solveRobustly(work, intrinsics, &result->views);
-  if (state && !lensError(*work, *state).empty()) {
-    // Views that stay near the image's middle leave the lens beyond them open: a plainer one, then.
-    work->options.lens_share = 0.1;
+  // Views that stay near the image's middle leave the lens beyond them open: a plainer one, then.
+  for (const LensFreedom plainer :
+       {LensFreedom::kStiff, LensFreedom::kFirstRadial, LensFreedom::kNone}) {
+    if (!state || lensError(*work, *state).empty()) break;
+    work->options.lens = plainer;
     state = solveRobustly(work, intrinsics, &result->views);
   }
   result->views_used = static_cast<int>(work->usable.size());
@@ -236,6 +316,7 @@ void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findin
   if (!state) return;
   findings->camera_error = lensError(*work, *state);
   if (!findings->camera_error.empty()) return;
+  if (enough) chooseRobotNoise(work, &*state, result);
   fillSolution(*work, *state, result);
   if (enough) leaveOneOut(*work, *state, result);
 }
@@ -273,7 +354,16 @@ HandEyeResult solveHandEye(const HandEyeProblem& problem, const HandEyeParams& p
     work.usable = checkObservations(problem, params, intrinsics, &result.views, &findings);
     result.views_used = static_cast<int>(work.usable.size());
     result.axes_deg = secondAxis(work.motions(), params) / kRadians;
+    if (result.axes_deg < params.axes_min_deg && work.usable.size() >= kFewest) {
+      findings.turns = nameTurnFault(problem.observations, result.axes_deg, params);
+    }
     if (work.usable.size() >= kFewest) solve(&work, intrinsics, &findings, &result);
+    judge(problem, params, findings, &result);
+    const bool is_named = findings.late_by_one || !findings.turns.empty() ||
+                          !findings.stale.empty() || !findings.frozen.empty();
+    if (result.verdict == Verdict::kRefused && !is_named) {
+      findings.mistake = nameMistake(problem, intrinsics, params);
+    }
   }
   judge(problem, params, findings, &result);
   return result;

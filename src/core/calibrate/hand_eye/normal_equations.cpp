@@ -23,7 +23,7 @@ std::optional<Normal> normalOf(const Chain& chain, const Noise& noise, const Boa
   Eigen::VectorXd w(prediction->pixels.size()), residual = Eigen::VectorXd::Zero(w.size());
   for (Eigen::Index i = 0; i < w.size(); ++i) {
     const auto corner = static_cast<std::size_t>(i / 2);
-    w[i] = std::sqrt(weights[corner]) / noise.pixel;
+    w[i] = std::sqrt(weights[corner]) / noise.effectivePixel();
     if (!corners.empty()) residual[i] = corners[corner][i % 2] - prediction->pixels[i];
   }
   const Eigen::MatrixXd s = w.asDiagonal() * prediction->shared;
@@ -72,11 +72,10 @@ std::optional<Normals> normalsOf(const HandEyeProblem& problem,
     out.information += normal->marginal();
     out.views.push_back(std::move(*normal));
   }
-  const auto lens = lensPrior(state.chain.intrinsics, problem.width, problem.height);
+  const auto lens = lensPrior(state.chain.intrinsics, problem.width, problem.height, options.lens);
   for (std::size_t i = 0; i < lens.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    const double sigma = options.lens_share * lens[i];
-    if (sigma > 0.0) out.information(k, k) += 1.0 / (sigma * sigma);
+    if (lens[i] > 0.0) out.information(k, k) += 1.0 / (lens[i] * lens[i]);
   }
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include "base/scatter.h"
 #include "calibrate/board/board_views.h"
+#include "calibrate/hand_eye/mistakes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +14,6 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr double kRadians = 3.14159265358979323846 / 180.0;
-
-std::vector<Eigen::Vector2d> reordered(const std::vector<Eigen::Vector2d>& corners,
-                                       const std::vector<std::size_t>& ordering) {
-  std::vector<Eigen::Vector2d> out;
-  for (const std::size_t i : ordering) out.push_back(corners[i]);
-  return out;
-}
 
 double meanShift(const Observation& a, const Observation& b) {
   double sum = 0.0;
@@ -43,16 +37,36 @@ void findStale(const std::vector<Usable>& views, Findings* findings) {
   }
 }
 
-/// Whether the poses fit if each is taken for the picture before its own.
-bool lateByOne(const std::vector<Usable>& views, double wrong) {
-  std::vector<PosePair> motions;
-  for (const Usable& view : views) motions.push_back(view.poses);
-  if (motions.size() < 5 || median(angleErrors(motions)) < wrong) return false;
-  std::vector<PosePair> shifted;
-  for (std::size_t i = 1; i < motions.size(); ++i) {
-    shifted.push_back({motions[i].robot, motions[i - 1].board});
+/// Of nearly equal views the first counts; @return those that count.
+std::vector<Usable> withoutRepeated(const HandEyeProblem& problem, const std::vector<Usable>& views,
+                                    std::vector<ViewResult>* results, Findings* findings) {
+  // Views less apart than this tell next to nothing beyond each other.
+  constexpr double kSameShare = 0.004, kSameAngle = 0.5 * kRadians;
+  // A picture that is the very same while the robot went elsewhere is an old one.
+  constexpr double kFrozenPx = 0.5, kWentMetres = 5e-3, kWentRadians = 1.0 * kRadians;
+  std::vector<Usable> kept;
+  for (const Usable& view : views) {
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const Usable& other) {
+      const double turned =
+          rotationAngle(view.poses.board.linear().transpose() * other.poses.board.linear());
+      return turned < kSameAngle &&
+             meanShift(view.observation, other.observation) < kSameShare * problem.width;
+    });
+    if (same == kept.end()) {
+      kept.push_back(view);
+      continue;
+    }
+    ++findings->repeated;
+    (*results)[view.index].why_not = "the same view as " + same->observation.name;
+    const Eigen::Isometry3d between =
+        view.observation.T_base_flange.inverse() * same->observation.T_base_flange;
+    const bool went = between.translation().norm() > kWentMetres ||
+                      rotationAngle(between.linear()) > kWentRadians;
+    if (went && meanShift(view.observation, same->observation) < kFrozenPx) {
+      findings->frozen.push_back(same->observation.name + " and " + view.observation.name);
+    }
   }
-  return median(angleErrors(shifted)) < 0.3 * wrong;
+  return kept;
 }
 
 }  // namespace
@@ -86,7 +100,14 @@ std::vector<Usable> checkObservations(const HandEyeProblem& problem, const HandE
     motions[i] = view.poses;
   }
   findStale(usable, findings);
-  findings->late_by_one = lateByOne(usable, params.wrong_pair_deg * kRadians);
+  usable = withoutRepeated(problem, usable, views, findings);
+  motions.clear();
+  std::vector<Observation> observations;
+  for (const Usable& view : usable) {
+    motions.push_back(view.poses);
+    observations.push_back(view.observation);
+  }
+  findings->late_by_one = areLateByOne(problem, intrinsics, params, observations, motions);
   const std::vector<double> errors = angleErrors(motions);
   std::vector<Usable> good;
   for (std::size_t i = 0; i < usable.size(); ++i) {

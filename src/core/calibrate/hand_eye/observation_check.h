@@ -16,7 +16,8 @@ struct Usable {
   PosePair poses;
 };
 
-/// Sorts out orderings, wrong pairs and stale robot poses; says in `views` what became of each.
+/// Sorts out orderings, repeated views, wrong pairs and stale robot poses; says in `views` what
+/// became of each.
 std::vector<Usable> checkObservations(const HandEyeProblem& problem, const HandEyeParams& params,
                                       const std::array<double, 9>& intrinsics,
                                       std::vector<ViewResult>* views, Findings* findings);
