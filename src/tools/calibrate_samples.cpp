@@ -4,7 +4,7 @@
 /// Calibrates camera and hand-eye from pictures and robot poses on disk, with no ROS master.
 /// Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.
 
-#include "base/yaml_file.h"
+#include "calibrate/samples_file.h"
 #include "command_line.h"
 
 #include "planar_bin_picking/calibrate/board/checkerboard.h"
@@ -19,6 +19,7 @@ const char kName[] = "calibrate_samples";
 const char kUsage[] =
     "usage: calibrate_samples --board 9x6 --square 0.0236 --mode eye_in_hand|eye_to_hand\n"
     "                         --samples samples.yaml [--camera-info F] --output DIR\n"
+    "                         [--replace-good yes|no]\n"
     "\n"
     "  --board CxR       inner corners of the checkerboard, along its rows x along its columns\n"
     "  --square M        side of a square, metres\n"
@@ -28,7 +29,9 @@ const char kUsage[] =
     "                    T_base_flange in metres; paths are relative to this file\n"
     "  --camera-info F   intrinsics to hold fixed, as ROS writes them; otherwise estimated\n"
     "  --output DIR      gets calibration.yaml and report.html, and unless the verdict is REFUSED\n"
-    "                    camera_info.yaml and hand_eye.yaml\n";
+    "                    camera_info.yaml and hand_eye.yaml\n"
+    "  --replace-good X  yes: a POOR calibration replaces a GOOD one in DIR; otherwise it goes to\n"
+    "                    DIR/poor\n";
 
 /// Edges wider than this say that the camera was not in focus, or moved; pixels.
 constexpr double kBlurMax = 5.0;
@@ -36,6 +39,7 @@ constexpr double kBlurMax = 5.0;
 struct Options {
   std::string board, mode, samples, camera_info, output;
   double square = 0.0;
+  std::string replace_good;
 };
 
 /// @return  false where help is asked for
@@ -45,13 +49,19 @@ bool readOptions(const std::vector<std::string>& arguments, Options* options) {
                                                {"--mode", text(&options->mode)},
                                                {"--samples", text(&options->samples)},
                                                {"--output", text(&options->output)},
-                                               {"--camera-info", text(&options->camera_info)}});
+                                               {"--camera-info", text(&options->camera_info)},
+                                               {"--replace-good", text(&options->replace_good)}});
   if (!wanted) return false;
   require(!options->board.empty(), "--board");
   require(options->square > 0.0, "--square");
   require(!options->mode.empty(), "--mode");
   require(!options->samples.empty(), "--samples");
   require(!options->output.empty(), "--output");
+  if (!options->replace_good.empty() && options->replace_good != "yes" &&
+      options->replace_good != "no") {
+    throw std::invalid_argument("--replace-good is \"" + options->replace_good +
+                                "\", must be yes or no");
+  }
   return true;
 }
 
@@ -59,52 +69,6 @@ Mounting parseMode(const std::string& text) {
   if (text == "eye_in_hand") return Mounting::kEyeInHand;
   if (text == "eye_to_hand") return Mounting::kEyeToHand;
   throw std::invalid_argument("--mode is \"" + text + "\", must be eye_in_hand or eye_to_hand");
-}
-
-struct Sample {
-  std::string name;
-  std::filesystem::path image;
-  Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
-};
-
-std::vector<double> numbers(const YAML::Node& node, const std::string& where,
-                            const std::string& key, std::size_t count) {
-  const std::string expected = "a list of " + std::to_string(count) + " numbers";
-  const auto values = valueAs<std::vector<double>>(node, where, key, expected);
-  const bool finite =
-      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-  if (values.size() != count || !finite) throwBadValue(where, key, node, expected);
-  return values;
-}
-
-Sample readSample(const YAML::Node& node, const std::string& where) {
-  if (!node.IsMap()) throw std::runtime_error(where + ": is no {image, position, orientation}");
-  refuseRepeatedKeys(node, where);
-  refuseUnknownKeys(node, where, {"image", "position", "orientation"});
-  Sample sample;
-  sample.name = valueAs<std::string>(node["image"], where, "image", "the path of a picture");
-  const auto p = numbers(node["position"], where, "position", 3);
-  const auto o = numbers(node["orientation"], where, "orientation", 4);
-  const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
-  if (std::abs(q.norm() - 1.0) > 1e-3) {
-    throwBadValue(where, "orientation", node["orientation"], "a quaternion x y z w of length 1");
-  }
-  sample.T_base_flange = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
-  return sample;
-}
-
-std::vector<Sample> loadSamples(const std::string& path) {
-  const YAML::Node root = loadYaml(path);
-  if (!root.IsSequence() || root.size() == 0) {
-    throw std::runtime_error(path + ": must be a list of {image, position, orientation}");
-  }
-  std::vector<Sample> samples;
-  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-  for (std::size_t i = 0; i < root.size(); ++i) {
-    samples.push_back(readSample(root[i], path + ": sample " + std::to_string(i + 1)));
-    samples.back().image = folder / samples.back().name;
-  }
-  return samples;
 }
 
 /// What the pictures show.
@@ -154,18 +118,26 @@ void explainMissingBoards(const std::vector<Sample>& samples, const Seen& seen,
                        std::to_string(seen.problem.board.rows) + " inner corners (" +
                        seen.without_board.front() + ")";
   if (2 * seen.without_board.size() > samples.size()) {
+    // As many as a majority needs; each takes its time.
+    constexpr std::size_t kSearchedMost = 6;
+    const auto isMissing = [&seen](const Sample& sample) {
+      const auto& all = seen.problem.observations;
+      return std::none_of(all.begin(), all.end(),
+                          [&](const Observation& o) { return o.name == sample.name; });
+    };
     std::vector<cv::Mat> images;
-    for (std::size_t i = 0; i < samples.size(); i += 1 + samples.size() / 6) {
-      images.push_back(loadImage(samples[i].image));
+    for (const Sample& sample : samples) {
+      if (images.size() < kSearchedMost && isMissing(sample))
+        images.push_back(loadImage(sample.image));
     }
-    const std::string other = findOtherBoard(images, seen.problem.board);
-    if (!other.empty()) {
-      reason = "inner corners miscounted: most pictures show a board of " + other +
-               " inner corners; " + reason;
-    }
+    const std::string why = whyBoardIsMissing(images, seen.problem.board);
+    if (!why.empty()) reason = why + "; " + reason;
   }
   // On its own a missing board is no flaw of a result that is good.
-  if (result->verdict != Verdict::kGood) result->reasons.push_back(reason);
+  if (result->verdict == Verdict::kGood) return;
+  // Where most pictures lack it, all other reasons follow from that.
+  const bool first = 2 * seen.without_board.size() > samples.size();
+  result->reasons.insert(first ? result->reasons.begin() : result->reasons.end(), reason);
 }
 
 void print(const HandEyeResult& result, const Seen& seen) {
@@ -206,8 +178,11 @@ int run(const std::vector<std::string>& arguments) {
   explainMissingBoards(samples, seen, &result);
   CalibrationNames names;
   if (mounting == Mounting::kEyeToHand) names.mount_frame = "base";
-  saveCalibration(options.output, seen.problem, result, names);
+  SaveOptions save;
+  save.replace_good = options.replace_good == "yes";
+  const std::string folder = saveCalibration(options.output, seen.problem, result, names, save);
   print(result, seen);
+  std::printf("written to %s\n", std::filesystem::absolute(folder).lexically_normal().c_str());
   constexpr int kRefused = 3;
   return result.verdict == Verdict::kRefused ? kRefused : kDone;
 }

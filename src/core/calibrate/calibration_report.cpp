@@ -195,7 +195,8 @@ void viewTable(const HandEyeProblem& problem, const HandEyeResult& r, Page* page
 
 }  // namespace
 
-std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult& result) {
+std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult& result,
+                              const std::string& made) {
   const std::string colour = result.verdict == Verdict::kGood   ? "#2a7d2a"
                              : result.verdict == Verdict::kPoor ? "#b37700"
                                                                 : "#b02020";
@@ -209,6 +210,7 @@ std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult
           ".l{stroke:#888;fill:none;stroke-width:.7}figcaption{color:#555;font-size:12px}</style>"
           "</head><body>\n<h1 style='color:"
        << colour << "'>" << nameOf(result.verdict) << "</h1>\n";
+  if (!made.empty()) (page << "<p>").text(made) << "</p>\n";
   (page << "<p>").text(result.transform_name) << ", board " << problem.board.cols << " x "
                                               << problem.board.rows << " inner corners, square ";
   page.number(1e3 * problem.board.square)
