@@ -4,10 +4,11 @@
 /// Calibrates camera and hand-eye from pictures and robot poses on disk, with no ROS master.
 /// Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.
 
-#include "base/yaml_file.h"
+#include "calibrate/samples_file.h"
 #include "command_line.h"
 #include "read_image.h"
 
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 #include "planar_bin_picking/calibrate/calibration_file.h"
 #include "planar_bin_picking/image/camera_file.h"
 
@@ -23,6 +24,7 @@ constexpr double kBlurMax = 5.0;
 struct Options {
   std::string board, mode, samples, camera_info, output;
   double square = 0.0;
+  std::string replace_good = "no";
 };
 
 void addOptions(CLI::App* app, Options* options) {
@@ -56,53 +58,11 @@ void addOptions(CLI::App* app, Options* options) {
       ->required()
       ->type_name("DIR")
       ->check(wrongPath);
+  app->add_option("--replace-good", options->replace_good,
+                  "yes: a POOR calibration replaces a GOOD one in DIR; no: it goes to DIR/poor")
+      ->type_name("yes|no")
+      ->check(CLI::IsMember({"yes", "no"}));
   app->footer("Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.");
-}
-
-struct Sample {
-  std::string name;
-  std::filesystem::path image;
-  Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
-};
-
-std::vector<double> numbers(const YAML::Node& node, const std::string& where,
-                            const std::string& key, std::size_t count) {
-  const std::string expected = "a list of " + std::to_string(count) + " numbers";
-  const auto values = valueAs<std::vector<double>>(node, where, key, expected);
-  const bool finite =
-      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-  if (values.size() != count || !finite) throwBadValue(where, key, node, expected);
-  return values;
-}
-
-Sample readSample(const YAML::Node& node, const std::string& where) {
-  if (!node.IsMap()) throw std::runtime_error(where + ": is no {image, position, orientation}");
-  refuseRepeatedKeys(node, where);
-  refuseUnknownKeys(node, where, {"image", "position", "orientation"});
-  Sample sample;
-  sample.name = valueAs<std::string>(node["image"], where, "image", "the path of a picture");
-  const auto p = numbers(node["position"], where, "position", 3);
-  const auto o = numbers(node["orientation"], where, "orientation", 4);
-  const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
-  if (std::abs(q.norm() - 1.0) > 1e-3) {
-    throwBadValue(where, "orientation", node["orientation"], "a quaternion x y z w of length 1");
-  }
-  sample.T_base_flange = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
-  return sample;
-}
-
-std::vector<Sample> loadSamples(const std::string& path) {
-  const YAML::Node root = loadYaml(path);
-  if (!root.IsSequence() || root.size() == 0) {
-    throw std::runtime_error(path + ": must be a list of {image, position, orientation}");
-  }
-  std::vector<Sample> samples;
-  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-  for (std::size_t i = 0; i < root.size(); ++i) {
-    samples.push_back(readSample(root[i], path + ": sample " + std::to_string(i + 1)));
-    samples.back().image = folder / samples.back().name;
-  }
-  return samples;
 }
 
 /// What the pictures show.
@@ -131,11 +91,11 @@ Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mount
                                std::to_string(seen.problem.width) + " x " +
                                std::to_string(seen.problem.height) + "; all must be of one camera");
     }
-    const BoardSighting sighting = findBoard(image, board, kBlurMax);
-    if (sighting.status == BoardSighting::Status::kFound) {
-      seen.problem.sightings.push_back({sample.name, sample.T_base_flange, sighting.corners});
+    const BoardObservation observation = findBoard(image, board, kBlurMax);
+    if (observation.status == BoardObservation::Status::kFound) {
+      seen.problem.observations.push_back({sample.name, sample.T_base_flange, observation.corners});
     } else {
-      const bool blurred = sighting.status == BoardSighting::Status::kBlurred;
+      const bool blurred = observation.status == BoardObservation::Status::kBlurred;
       seen.without_board.push_back(sample.name + (blurred ? ": blurred" : ": no board found"));
     }
   }
@@ -152,18 +112,26 @@ void explainMissingBoards(const std::vector<Sample>& samples, const Seen& seen,
                        std::to_string(seen.problem.board.rows) + " inner corners (" +
                        seen.without_board.front() + ")";
   if (2 * seen.without_board.size() > samples.size()) {
+    // As many as a majority needs; each takes its time.
+    constexpr std::size_t kSearchedMost = 6;
+    const auto isMissing = [&seen](const Sample& sample) {
+      const auto& all = seen.problem.observations;
+      return std::none_of(all.begin(), all.end(),
+                          [&](const Observation& o) { return o.name == sample.name; });
+    };
     std::vector<cv::Mat> images;
-    for (std::size_t i = 0; i < samples.size(); i += 1 + samples.size() / 6) {
-      images.push_back(loadImage(samples[i].image));
+    for (const Sample& sample : samples) {
+      if (images.size() < kSearchedMost && isMissing(sample))
+        images.push_back(loadImage(sample.image));
     }
-    const std::string other = findOtherBoard(images, seen.problem.board);
-    if (!other.empty()) {
-      reason = "inner corners miscounted: most pictures show a board of " + other +
-               " inner corners; " + reason;
-    }
+    const std::string why = whyBoardIsMissing(images, seen.problem.board);
+    if (!why.empty()) reason = why + "; " + reason;
   }
   // On its own a missing board is no flaw of a result that is good.
-  if (result->verdict != Verdict::kGood) result->reasons.push_back(reason);
+  if (result->verdict == Verdict::kGood) return;
+  // Where most pictures lack it, all other reasons follow from that.
+  const bool first = 2 * seen.without_board.size() > samples.size();
+  result->reasons.insert(first ? result->reasons.begin() : result->reasons.end(), reason);
 }
 
 void print(const HandEyeResult& result, const Seen& seen) {
@@ -172,7 +140,7 @@ void print(const HandEyeResult& result, const Seen& seen) {
   for (const std::string& name : seen.without_board) std::printf("  %s\n", name.c_str());
   for (std::size_t i = 0; i < result.views.size(); ++i) {
     if (result.views[i].used || result.views[i].why_not.empty()) continue;
-    std::printf("  %s: not used: %s\n", seen.problem.sightings[i].name.c_str(),
+    std::printf("  %s: not used: %s\n", seen.problem.observations[i].name.c_str(),
                 result.views[i].why_not.c_str());
   }
   if (!result.solved) return;
@@ -200,8 +168,11 @@ int run(const Options& options) {
   explainMissingBoards(samples, seen, &result);
   CalibrationNames names;
   if (mounting == Mounting::kEyeToHand) names.mount_frame = "base";
-  saveCalibration(options.output, seen.problem, result, names);
+  SaveOptions save;
+  save.replace_good = options.replace_good == "yes";
+  const std::string folder = saveCalibration(options.output, seen.problem, result, names, save);
   print(result, seen);
+  std::printf("written to %s\n", std::filesystem::absolute(folder).lexically_normal().c_str());
   constexpr int kRefused = 3;
   return result.verdict == Verdict::kRefused ? kRefused : kDone;
 }

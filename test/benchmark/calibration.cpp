@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Simulated calibrations over many seeds: `calibration [SEEDS]` prints the tables in
+/// Simulated calibrations over many seeds: `calibration [SEEDS [mistakes]]` prints the tables in
 /// calibration.md. Whole runs that choose their own views, half of them eye-in-hand; the same with
 /// drawn pictures; the solver against OpenCV's Park; and what must be refused.
 
@@ -10,6 +10,7 @@
 #include "support/simulated_run.h"
 
 #include <cstdlib>
+#include <string>
 
 namespace planar_bin_picking {
 namespace {
@@ -74,15 +75,15 @@ void printRuns(int seeds) {
 HandEyeProblem drawnProblem(const sim::BoardCell& cell, std::mt19937* random) {
   HandEyeProblem problem = emptyProblem(cell);
   std::vector<Eigen::Vector2d> corners;
-  while (problem.sightings.size() < 15) {
+  while (problem.observations.size() < 15) {
     const auto T_camera_board = sim::randomView(cell, 0.43, 35.0, 0.6, random);
     if (!sim::seeCorners(cell, T_camera_board, random, &corners)) continue;
-    const int number = static_cast<int>(problem.sightings.size()) + 1;
+    const int number = static_cast<int>(problem.observations.size()) + 1;
     const cv::Mat image = sim::takeBoardImage(cell, T_camera_board, 0.8, 3.0, number);
-    const BoardSighting sighting = findBoard(image, problem.board, 4.0);
-    if (sighting.status != BoardSighting::Status::kFound) continue;
-    problem.sightings.push_back(
-        {"view " + std::to_string(number), cell.flangeFor(T_camera_board), sighting.corners});
+    const BoardObservation observation = findBoard(image, problem.board, 4.0);
+    if (observation.status != BoardObservation::Status::kFound) continue;
+    problem.observations.push_back(
+        {"view " + std::to_string(number), cell.flangeFor(T_camera_board), observation.corners});
   }
   return problem;
 }
@@ -101,7 +102,7 @@ void printDrawn(int seeds) {
       cell.robot_mm = kRobots[i].mm;
       cell.robot_deg = kRobots[i].deg;
       HandEyeProblem problem = drawn;
-      for (Sighting& s : problem.sightings) {
+      for (Observation& s : problem.observations) {
         s.T_base_flange = sim::reported(cell, s.T_base_flange, &random);
       }
       const HandEyeResult result = solveHandEye(problem, {});
@@ -128,7 +129,11 @@ int main(int argc, char** argv) {
                  argv[1]);
     return 2;
   }
-  printRuns(seeds);
+  const std::string only = argc > 2 ? argv[2] : "";
+  if (only != "mistakes") printRuns(seeds);
+  printMistakes(seeds);
+  printMissingBoards(std::max(1, seeds / 5));
+  if (only == "mistakes") return 0;
   printRefusals(seeds);
   printPark(seeds);
   printDrawn(std::max(1, seeds / 5));

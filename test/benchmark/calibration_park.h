@@ -4,6 +4,8 @@
 
 /// The solver against OpenCV's Park on the same corners, and both against what is possible.
 
+#include "calibrate/board/board_views.h"
+#include "calibrate/hand_eye/closed_form.h"
 #include "calibrate/hand_eye/normal_equations.h"
 #include "calibration_statistics.h"
 
@@ -21,9 +23,9 @@ inline Camera::Model openCvCamera(const HandEyeProblem& problem) {
     board.emplace_back(x.x(), x.y(), 0.0F);
   }
   std::vector<std::vector<cv::Point2f>> images;
-  for (const Sighting& sighting : problem.sightings) {
+  for (const Observation& observation : problem.observations) {
     std::vector<cv::Point2f>& points = images.emplace_back();
-    for (const Eigen::Vector2d& p : sighting.corners) points.emplace_back(p.x(), p.y());
+    for (const Eigen::Vector2d& p : observation.corners) points.emplace_back(p.x(), p.y());
   }
   cv::Mat_<double> K, d;
   std::vector<cv::Mat> r, t;
@@ -35,8 +37,8 @@ inline Camera::Model openCvCamera(const HandEyeProblem& problem) {
 
 inline PoseError parkError(const sim::BoardCell& cell, const HandEyeProblem& problem,
                            const Camera::Model& camera) {
-  std::vector<Motion> motions;
-  for (const Sighting& s : problem.sightings) {
+  std::vector<PosePair> motions;
+  for (const Observation& s : problem.observations) {
     const auto T_camera_board = boardPose(camera, problem.board, s.corners);
     if (T_camera_board) {
       motions.push_back({robotSide(problem.mounting, s.T_base_flange), *T_camera_board});
@@ -58,7 +60,7 @@ inline PoseError bound(const sim::BoardCell& cell, const HandEyeProblem& problem
   const Noise noise{cell.corner_px, 1e-3 * cell.robot_mm, sim::kDegree * cell.robot_deg};
   const std::vector<double> weights(problem.board.size(), 1.0);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kColumns, kColumns);
-  for (const Sighting& s : problem.sightings) {
+  for (const Observation& s : problem.observations) {
     information += viewInformation(chain, noise, problem.board, s.T_base_flange, weights);
   }
   const auto covariance = invertInformation(information, {});
@@ -100,9 +102,9 @@ inline void addRivals(const ParkCase& what, const Robot& robot, unsigned seed, R
   cell.robot_mm = robot.mm;
   cell.robot_deg = robot.deg;
   HandEyeProblem problem = emptyProblem(cell);
-  while (static_cast<int>(problem.sightings.size()) < what.views) {
+  while (static_cast<int>(problem.observations.size()) < what.views) {
     const auto T_camera_board = sim::randomView(cell, what.distance, what.tilt_deg, 0.6, &random);
-    addSighting(cell, cell.flangeFor(T_camera_board), &random, &problem);
+    addObservation(cell, cell.flangeFor(T_camera_board), &random, &problem);
   }
   const HandEyeResult result = solveHandEye(problem, {});
   if (!result.solved) return;

@@ -4,7 +4,7 @@
 
 /// What the tables of calibration.cpp are made of: errors against the truth.
 
-#include "calibrate/hand_eye/closed_form.h"
+#include "calibrate/board/board_views.h"
 #include "support/board_problem.h"
 
 #include <algorithm>

@@ -18,15 +18,15 @@ inline HandEyeProblem emptyProblem(const sim::BoardCell& cell) {
   return problem;
 }
 
-/// One sighting from where the robot stands; false where the board is not all in the image.
-inline bool addSighting(const sim::BoardCell& cell, const Eigen::Isometry3d& T_base_flange,
-                        std::mt19937* random, HandEyeProblem* problem) {
-  Sighting sighting;
-  if (!sim::seeCorners(cell, cell.cameraBoard(T_base_flange), random, &sighting.corners))
+/// One observation from where the robot stands; false where the board is not all in the image.
+inline bool addObservation(const sim::BoardCell& cell, const Eigen::Isometry3d& T_base_flange,
+                           std::mt19937* random, HandEyeProblem* problem) {
+  Observation observation;
+  if (!sim::seeCorners(cell, cell.cameraBoard(T_base_flange), random, &observation.corners))
     return false;
-  sighting.name = "view " + std::to_string(problem->sightings.size() + 1);
-  sighting.T_base_flange = sim::reported(cell, T_base_flange, random);
-  problem->sightings.push_back(sighting);
+  observation.name = "view " + std::to_string(problem->observations.size() + 1);
+  observation.T_base_flange = sim::reported(cell, T_base_flange, random);
+  problem->observations.push_back(observation);
   return true;
 }
 
@@ -35,9 +35,9 @@ inline HandEyeProblem randomProblem(const sim::BoardCell& cell, int count, std::
                                     double tilt_deg = 35.0) {
   HandEyeProblem problem = emptyProblem(cell);
   const double distance = 1.7 * cell.square * cell.cols * cell.camera.fx / cell.camera.width;
-  while (static_cast<int>(problem.sightings.size()) < count) {
+  while (static_cast<int>(problem.observations.size()) < count) {
     const auto T_camera_board = sim::randomView(cell, distance, tilt_deg, 0.6, random);
-    addSighting(cell, cell.flangeFor(T_camera_board), random, &problem);
+    addObservation(cell, cell.flangeFor(T_camera_board), random, &problem);
   }
   return problem;
 }

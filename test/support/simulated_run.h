@@ -139,9 +139,9 @@ struct RunWorld {
       return;
     }
     HandEyeProblem one = emptyProblem(cell);
-    if (chance(random) >= blind && addSighting(cell, target, &random, &one)) {
-      one.sightings[0].name = "view " + std::to_string(++outcome->pictures);
-      run->seen(one.sightings[0]);
+    if (chance(random) >= blind && addObservation(cell, target, &random, &one)) {
+      one.observations[0].name = "view " + std::to_string(++outcome->pictures);
+      run->seen(one.observations[0]);
     } else {
       ++outcome->lost;
       run->lost();

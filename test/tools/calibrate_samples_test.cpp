@@ -143,7 +143,20 @@ TEST_F(CalibrateSamples, NamesAMiscountedBoard) {
   EXPECT_NE(text.find("9x6"), std::string::npos) << text;
 }
 
+TEST_F(CalibrateSamples, SaysNothingOnStandardErrorAndWhereItWrote) {
+  const std::string said = dir_->path("said.txt");
+  const int status = std::system((std::string(CALIBRATE_SAMPLES) + " --board 9x6 --square 0.02 " +
+                                  inHand() + " --output " + out() + " >" + said + " 2>&1")
+                                     .c_str());
+  ASSERT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_NE(read(said).find("written to " + out()), std::string::npos) << read(said);
+  EXPECT_EQ(run("9x6", "0.04", inHand()), 3);
+  EXPECT_EQ(error_, "");
+}
+
 TEST_F(CalibrateSamples, RefusesBadInputInOneLine) {
+  EXPECT_TRUE(refused(run("9x6", "0.02", inHand() + " --replace-good maybe"),
+                      {"--replace-good", "maybe", "yes or no"}));
   EXPECT_TRUE(refused(run("9x6", "zero", inHand()), {"--square", "zero"}));
   EXPECT_TRUE(refused(run("9-6", "0.02", inHand()), {"9-6", "9x6"}));
   EXPECT_TRUE(

@@ -39,6 +39,6 @@ struct CalibrationCheck {
 /// @param views       1 to 3, with the corners of that board
 /// @throws std::invalid_argument  no views or too many, a wrong number of corners, not solved
 CalibrationCheck checkCalibration(const HandEyeProblem& problem, const HandEyeResult& calibrated,
-                                  const std::vector<Sighting>& views);
+                                  const std::vector<Observation>& views);
 
 }  // namespace planar_bin_picking

@@ -68,7 +68,8 @@ class CalibrationRun {
     kNoPose,    ///< no pose is left that the limits allow and from which the board is surely seen
   };
 
-  /// @param problem  with the sightings of an earlier run, which this one adds to, or without any
+  /// @param problem  with the observations of an earlier run, which this one adds to, or without
+  /// any
   /// @param start    flange pose from which the board is seen
   /// @throws std::invalid_argument  bad params or problem; the limits do not allow the start: why
   CalibrationRun(const HandEyeProblem& problem, const HandEyeParams& solver,
@@ -98,7 +99,7 @@ class CalibrationRun {
   /// A picture from where there is one already (isKnown()) counts once.
   /// @throws std::runtime_error  camera or board are seen to be further from the flange than
   /// mounted_radius_m
-  void seen(const Sighting& sighting);
+  void seen(const Observation& observation);
   bool isKnown(const Eigen::Isometry3d& T_base_flange) const;
   /// Since the robot last moved.
   int refusalsInARow() const { return refusals_; }

@@ -17,7 +17,7 @@ namespace planar_bin_picking {
 
 /// One camera's pictures of one board.
 struct SampleSet {
-  HandEyeProblem problem;    ///< the sightings' names are those of the pictures
+  HandEyeProblem problem;    ///< the observations' names are those of the pictures
   std::string camera_frame;  ///< of the images
 };
 
@@ -32,7 +32,7 @@ class SampleFolder {
   /// A name for one more picture, which none in the set has.
   static std::string nextName(const SampleSet& set);
 
-  /// Writes the set, whose last sighting is new, and its picture.
+  /// Writes the set, whose last observation is new, and its picture.
   /// @param png  the picture's file
   /// @throws std::runtime_error  as writeTogether(); what was there still is
   void add(const SampleSet& set, const std::string& png) const;

@@ -47,7 +47,7 @@ constexpr Part kLens{Finding::kLensChanged, kIntrinsics, 4};
 class Explanation {
  public:
   Explanation(const HandEyeProblem& problem, const HandEyeResult& calibrated,
-              const std::vector<Sighting>& views, const Part& part)
+              const std::vector<Observation>& views, const Part& part)
       : problem_(problem), views_(views), part_(part) {
     chain_.mounting = problem.mounting;
     chain_.intrinsics = fromModel(calibrated.camera);
@@ -156,7 +156,7 @@ class Explanation {
   }
 
   const HandEyeProblem& problem_;
-  const std::vector<Sighting>& views_;
+  const std::vector<Observation>& views_;
   const Part part_;
   Chain chain_;
   double pixel_ = 1.0;
@@ -167,15 +167,15 @@ class Explanation {
 };
 
 /// The corners in the order that fits best what the calibration expects.
-std::vector<Sighting> inOrder(const HandEyeProblem& problem, const HandEyeResult& calibrated,
-                              std::vector<Sighting> views) {
-  for (Sighting& view : views) {
+std::vector<Observation> inOrder(const HandEyeProblem& problem, const HandEyeResult& calibrated,
+                                 std::vector<Observation> views) {
+  for (Observation& view : views) {
     double best = std::numeric_limits<double>::infinity();
     std::vector<Eigen::Vector2d> ordered = view.corners;
     for (const std::vector<std::size_t>& order : orderings(problem.board)) {
-      Sighting turned = view;
+      Observation turned = view;
       for (std::size_t i = 0; i < order.size(); ++i) turned.corners[i] = view.corners[order[i]];
-      const std::vector<Sighting> one{turned};
+      const std::vector<Observation> one{turned};
       const double cost = Explanation(problem, calibrated, one, kCamera).cost();
       if (!(cost < best)) continue;
       best = cost;
@@ -234,12 +234,12 @@ std::string sentence(const CalibrationCheck& check, std::size_t views) {
 }
 
 void validate(const HandEyeProblem& problem, const HandEyeResult& calibrated,
-              const std::vector<Sighting>& views) {
+              const std::vector<Observation>& views) {
   if (views.empty() || views.size() > kViewsMost) {
     throw std::invalid_argument("a check takes 1 to 3 views, got " + std::to_string(views.size()));
   }
   if (!calibrated.solved) throw std::invalid_argument("the calibration has no solution to check");
-  for (const Sighting& view : views) {
+  for (const Observation& view : views) {
     if (view.corners.size() == problem.board.size() && view.T_base_flange.matrix().allFinite()) {
       continue;
     }
@@ -251,9 +251,9 @@ void validate(const HandEyeProblem& problem, const HandEyeResult& calibrated,
 }  // namespace
 
 CalibrationCheck checkCalibration(const HandEyeProblem& problem, const HandEyeResult& calibrated,
-                                  const std::vector<Sighting>& given) {
+                                  const std::vector<Observation>& given) {
   validate(problem, calibrated, given);
-  const std::vector<Sighting> views = inOrder(problem, calibrated, given);
+  const std::vector<Observation> views = inOrder(problem, calibrated, given);
   const Explanation nothing(problem, calibrated, views, kNothing);
   const Explanation camera(problem, calibrated, views, kCamera);
   const Explanation board(problem, calibrated, views, kTheBoard);

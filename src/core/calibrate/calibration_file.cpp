@@ -4,8 +4,10 @@
 
 #include "base/atomic_file.h"
 #include "base/yaml_file.h"
+#include "calibrate/calibration_report.h"
 
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <iomanip>
 #include <locale>
@@ -51,6 +53,12 @@ std::string numberText(const Number value) {
   return out.str();
 }
 
+/// What all files of a calibration say of it.
+struct Made {
+  CalibrationNames names;
+  std::string date;
+};
+
 void put(YAML::Emitter& out, const std::string& key, const std::string& value) {
   out << YAML::Key << key << YAML::Value << value;
 }
@@ -82,6 +90,26 @@ void putMatrix(YAML::Emitter& out, const std::string& key, int rows, const Value
   out << YAML::EndMap;
 }
 
+/// Where the board is: on the table, or on the flange.
+void putBoard(YAML::Emitter& out, const HandEyeResult& result) {
+  const bool in_hand = result.transform_name == "T_flange_camera";
+  out << YAML::Key << "board_transform" << YAML::Value << YAML::BeginMap;
+  put(out, "name", in_hand ? "T_base_board" : "T_flange_board");
+  putList(out, "position", positionOf(result.T_other_board));
+  putList(out, "orientation", orientationOf(result.T_other_board));
+  out << YAML::EndMap;
+}
+
+/// Row by row: translation, then rotation, about the camera's own axes; metres and radians.
+void putCovariance(YAML::Emitter& out, const HandEyeResult& result) {
+  const Matrix6d covariance = result.covariance.block<6, 6>(kHandEye, kHandEye);
+  Values values;
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 6; ++k) values.push_back(covariance(i, k));
+  }
+  putList(out, "covariance", values);
+}
+
 void putNumbers(YAML::Emitter& out, const HandEyeResult& result) {
   out << YAML::Key << "transform" << YAML::Value << YAML::BeginMap;
   put(out, "name", result.transform_name);
@@ -93,6 +121,7 @@ void putNumbers(YAML::Emitter& out, const HandEyeResult& result) {
   putList(out, "distortion", distortionOf(c));
   put(out, "rms_px", result.rms_px);
   put(out, "chain_px", result.chain_px);
+  if (result.held_out_px > 0.0) put(out, "held_out_px", result.held_out_px);
   put(out, "pnp_floor_px", result.pnp_floor_px);
   if (result.own_camera_px > 0.0) put(out, "own_camera_px", result.own_camera_px);
   put(out, "sigma_px", result.sigma_px);
@@ -103,10 +132,13 @@ void putNumbers(YAML::Emitter& out, const HandEyeResult& result) {
   put(out, "expected_error_deg", result.expected_error_deg);
   put(out, "leave_one_out_mm", result.leave_one_out_mm);
   put(out, "leave_one_out_deg", result.leave_one_out_deg);
+  if (!result.leave_one_out_view.empty()) put(out, "leave_one_out_view", result.leave_one_out_view);
   Values sigmas;
   for (Eigen::Index i = 0; i < kBoard; ++i) sigmas.push_back(std::sqrt(result.covariance(i, i)));
   putList(out, "sigma_camera", {sigmas.begin(), sigmas.begin() + kHandEye});
   putList(out, "sigma_transform", {sigmas.begin() + kHandEye, sigmas.end()});
+  putCovariance(out, result);
+  putBoard(out, result);
 }
 
 void putViews(YAML::Emitter& out, const HandEyeProblem& problem, const HandEyeResult& result) {
@@ -114,7 +146,7 @@ void putViews(YAML::Emitter& out, const HandEyeProblem& problem, const HandEyeRe
   for (std::size_t i = 0; i < result.views.size(); ++i) {
     const ViewResult& view = result.views[i];
     out << YAML::Flow << YAML::BeginMap;
-    put(out, "name", problem.sightings[i].name);
+    put(out, "name", problem.observations[i].name);
     put(out, "used", view.used);
     if (view.used) {
       put(out, "rms_px", view.rms_px);
@@ -127,10 +159,16 @@ void putViews(YAML::Emitter& out, const HandEyeProblem& problem, const HandEyeRe
   out << YAML::EndSeq;
 }
 
-std::string calibrationYaml(const HandEyeProblem& problem, const HandEyeResult& result) {
+std::string calibrationYaml(const HandEyeProblem& problem, const HandEyeResult& result,
+                            const Made& made) {
   YAML::Emitter out;
   out << YAML::BeginMap;
   put(out, "verdict", nameOf(result.verdict));
+  put(out, "date", made.date);
+  put(out, "camera_name", made.names.camera_name);
+  putList(out, "image_size", {1.0 * problem.width, 1.0 * problem.height});
+  put(out, "board", std::to_string(problem.board.cols) + "x" + std::to_string(problem.board.rows));
+  put(out, "square", problem.board.square);
   out << YAML::Key << "reasons" << YAML::Value << YAML::BeginSeq;
   for (const std::string& reason : result.reasons) out << reason;
   out << YAML::EndSeq;
@@ -146,12 +184,22 @@ std::string calibrationYaml(const HandEyeProblem& problem, const HandEyeResult& 
   return std::string(out.c_str()) + "\n";
 }
 
-std::string cameraInfoYaml(const Camera::Model& c, const std::string& name) {
+/// What a file was made of, as one line for people.
+std::string madeOf(const HandEyeResult& result, const Made& made) {
+  std::string text = "camera " + made.names.camera_name + ", calibrated " + made.date + ": " +
+                     nameOf(result.verdict);
+  if (!result.solved) return text;
+  return text + ", expected error " + numberText(result.expected_error_mm) + " mm and " +
+         numberText(result.expected_error_deg) + " deg";
+}
+
+std::string cameraInfoYaml(const HandEyeResult& result, const Made& made) {
+  const Camera::Model& c = result.camera;
   YAML::Emitter out;
   out << YAML::BeginMap;
   put(out, "image_width", c.width);
   put(out, "image_height", c.height);
-  put(out, "camera_name", name);
+  put(out, "camera_name", made.names.camera_name);
   putMatrix(out, "camera_matrix", 3, {c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0});
   put(out, "distortion_model", isRational(c) ? "rational_polynomial" : "plumb_bob");
   putMatrix(out, "distortion_coefficients", 1, distortionOf(c));
@@ -159,20 +207,71 @@ std::string cameraInfoYaml(const Camera::Model& c, const std::string& name) {
   putMatrix(out, "projection_matrix", 3,
             {c.fx, 0.0, c.cx, 0.0, 0.0, c.fy, c.cy, 0.0, 0.0, 0.0, 1.0, 0.0});
   out << YAML::EndMap;
-  return std::string(out.c_str()) + "\n";
+  // As a comment: the keys are those of ROS.
+  return "# " + madeOf(result, made) + "\n" + out.c_str() + "\n";
 }
 
-std::string handEyeYaml(const HandEyeResult& result, const CalibrationNames& names) {
+std::string handEyeYaml(const HandEyeResult& result, const Made& made) {
   YAML::Emitter out;
   out << YAML::BeginMap;
-  put(out, "parent_frame", names.mount_frame);
-  put(out, "child_frame", names.camera_frame);
+  put(out, "parent_frame", made.names.mount_frame);
+  put(out, "child_frame", made.names.camera_frame);
   putList(out, "position", positionOf(result.T_mount_camera));
   putList(out, "orientation", orientationOf(result.T_mount_camera));
   put(out, "expected_error_mm", result.expected_error_mm);
   put(out, "expected_error_deg", result.expected_error_deg);
+  put(out, "verdict", nameOf(result.verdict));
+  put(out, "date", made.date);
+  put(out, "camera_name", made.names.camera_name);
+  putCovariance(out, result);
+  putBoard(out, result);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
+}
+
+std::string joined(const Values& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : " ") + numberText(value);
+  return text;
+}
+
+/// For XML: what a name must not hold there.
+std::string escaped(const std::string& raw) {
+  std::string out;
+  for (const char c : raw) {
+    const char* const safe = c == '&'   ? "&amp;"
+                             : c == '<' ? "&lt;"
+                             : c == '>' ? "&gt;"
+                             : c == '"' ? "&quot;"
+                                        : nullptr;
+    out += safe != nullptr ? std::string(safe) : std::string(1, c);
+  }
+  return out;
+}
+
+std::string staticTransformLaunch(const HandEyeResult& result, const Made& made) {
+  const CalibrationNames& names = made.names;
+  return "<!-- " + escaped(madeOf(result, made)) +
+         " -->\n<launch>\n  <node pkg=\"tf2_ros\" type=\"static_transform_publisher\" "
+         "name=\"hand_eye_transform\"\n        args=\"" +
+         joined(positionOf(result.T_mount_camera)) + " " +
+         joined(orientationOf(result.T_mount_camera)) + " " + escaped(names.mount_frame) + " " +
+         escaped(names.camera_frame) + "\"/>\n</launch>\n";
+}
+
+/// A joint between links that the robot's description has; rpy turns about fixed x, y, z.
+std::string handEyeXacro(const HandEyeResult& result, const Made& made) {
+  const Eigen::Matrix3d& R = result.T_mount_camera.linear();
+  const Values rpy{std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
+                   std::atan2(R(1, 0), R(0, 0))};
+  const std::string parent = escaped(made.names.mount_frame),
+                    child = escaped(made.names.camera_frame);
+  return "<?xml version=\"1.0\"?>\n<!-- " + escaped(madeOf(result, made)) +
+         " -->\n<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n  <link name=\"" + child +
+         "\"/>\n  <joint name=\"hand_eye\" type=\"fixed\">\n    <parent link=\"" + parent +
+         "\"/>\n    <child link=\"" + child + "\"/>\n    <origin xyz=\"" +
+         joined(positionOf(result.T_mount_camera)) + "\" rpy=\"" + joined(rpy) +
+         "\"/>\n  </joint>\n</robot>\n";
 }
 
 Values numbers(const YAML::Node& root, const std::string& path, const std::string& key,
@@ -183,6 +282,38 @@ Values numbers(const YAML::Node& root, const std::string& path, const std::strin
   for (const double value : values) finite = finite && std::isfinite(value);
   if (!finite) throwBadValue(path, key, root[key], expected);
   return values;
+}
+
+std::string now() {
+  const std::time_t seconds = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+/// Whether a GOOD calibration stands in the folder. One that cannot be read is none.
+bool isGood(const std::string& folder) {
+  try {
+    return loadHandEye(folder + "/hand_eye.yaml").verdict == nameOf(Verdict::kGood);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
+/// Beside a refusal no older calibration may look valid.
+void putAside(const std::string& at) {
+  for (const char* name :
+       {"hand_eye.yaml", "camera_info.yaml", "hand_eye.xacro", "static_transform.launch"}) {
+    const std::string path = at + name;
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) continue;
+    std::filesystem::rename(path, path + ".before", error);
+    if (!error) continue;
+    throw std::runtime_error(path + ": is of an older calibration and cannot be renamed: " +
+                             error.message() + "; move it away, the new calibration is REFUSED");
+  }
 }
 
 }  // namespace
@@ -198,28 +329,49 @@ void checkCalibrationFolder(const std::string& folder) {
   checkWritable(folder);
 }
 
-void saveCalibration(const std::string& folder, const HandEyeProblem& problem,
-                     const HandEyeResult& result, const CalibrationNames& names) {
-  checkCalibrationFolder(folder);
-  const std::string at = folder + "/";
-  std::vector<NamedContent> files{{at + "report.html", calibrationReport(problem, result)}};
-  if (result.verdict != Verdict::kRefused) {
-    files.push_back({at + "camera_info.yaml", cameraInfoYaml(result.camera, names.camera_name)});
-    files.push_back({at + "hand_eye.yaml", handEyeYaml(result, names)});
+std::string saveCalibration(const std::string& folder, const HandEyeProblem& problem,
+                            const HandEyeResult& result, const CalibrationNames& names,
+                            const SaveOptions& options) {
+  const Made made{names, options.date.empty() ? now() : options.date};
+  const bool aside = result.verdict == Verdict::kPoor && !options.replace_good && isGood(folder);
+  const std::string target = aside ? folder + "/poor" : folder, at = target + "/";
+  checkCalibrationFolder(target);
+  std::vector<NamedContent> files{
+      {at + "report.html", calibrationReport(problem, result, madeOf(result, made))}};
+  const bool refused = result.verdict == Verdict::kRefused;
+  if (!refused) {
+    files.push_back({at + "camera_info.yaml", cameraInfoYaml(result, made)});
+    files.push_back({at + "hand_eye.yaml", handEyeYaml(result, made)});
+    files.push_back({at + "hand_eye.xacro", handEyeXacro(result, made)});
+    files.push_back({at + "static_transform.launch", staticTransformLaunch(result, made)});
   }
   // Last: where it stands, all others do.
-  files.push_back({at + "calibration.yaml", calibrationYaml(problem, result)});
+  files.push_back({at + "calibration.yaml", calibrationYaml(problem, result, made)});
   writeTogether(files);
+  if (refused) putAside(at);
+  return target;
 }
 
 HandEyeFile loadHandEye(const std::string& path) {
   const YAML::Node root = loadYamlMap(path);
-  refuseUnknownKeys(root, path,
-                    {"parent_frame", "child_frame", "position", "orientation", "expected_error_mm",
-                     "expected_error_deg"});
+  refuseUnknownKeys(
+      root, path,
+      {"parent_frame", "child_frame", "position", "orientation", "expected_error_mm",
+       "expected_error_deg", "verdict", "date", "camera_name", "covariance", "board_transform"});
   HandEyeFile out;
   out.parent_frame = valueAs<std::string>(root["parent_frame"], path, "parent_frame", "a frame");
   out.child_frame = valueAs<std::string>(root["child_frame"], path, "child_frame", "a frame");
+  const auto text = [&](const char* key) {
+    return root[key] ? valueAs<std::string>(root[key], path, key, "a text") : std::string();
+  };
+  out.date = text("date");
+  out.verdict = text("verdict");
+  out.camera_name = text("camera_name");
+  const auto number = [&](const char* key) {
+    return root[key] ? valueAs<double>(root[key], path, key, "a number") : 0.0;
+  };
+  out.expected_error_mm = number("expected_error_mm");
+  out.expected_error_deg = number("expected_error_deg");
   const Values p = numbers(root, path, "position", 3), o = numbers(root, path, "orientation", 4);
   const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
   if (std::abs(q.norm() - 1.0) > 1e-3) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "planar_bin_picking/calibrate/calibration_file.h"
+#include "calibrate/calibration_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -136,7 +136,7 @@ void coveragePlot(const HandEyeProblem& problem, const HandEyeResult& r, Page* p
   page->number(width) << "'/>\n";
   for (std::size_t i = 0; i < r.views.size(); ++i) {
     const std::string colour = r.views[i].used ? colourOf(i) : "#ccc";
-    for (const Eigen::Vector2d& p : problem.sightings[i].corners) {
+    for (const Eigen::Vector2d& p : problem.observations[i].corners) {
       dot(page, scale * p.x(), scale * p.y(), 1.5, colour);
     }
   }
@@ -178,7 +178,7 @@ void viewTable(const HandEyeProblem& problem, const HandEyeResult& r, Page* page
            "<th>robot off mm</th><th>deg</th><th></th></tr>\n";
   for (std::size_t i = 0; i < r.views.size(); ++i) {
     const ViewResult& view = r.views[i];
-    (*page << "<tr><td>").text(problem.sightings[i].name) << "</td>";
+    (*page << "<tr><td>").text(problem.observations[i].name) << "</td>";
     if (view.used) {
       for (const double value : {view.rms_px, view.floor_px, 1e3 * view.correction.head<3>().norm(),
                                  57.29578 * view.correction.tail<3>().norm()}) {
@@ -195,7 +195,8 @@ void viewTable(const HandEyeProblem& problem, const HandEyeResult& r, Page* page
 
 }  // namespace
 
-std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult& result) {
+std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult& result,
+                              const std::string& made) {
   const std::string colour = result.verdict == Verdict::kGood   ? "#2a7d2a"
                              : result.verdict == Verdict::kPoor ? "#b37700"
                                                                 : "#b02020";
@@ -209,10 +210,12 @@ std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult
           ".l{stroke:#888;fill:none;stroke-width:.7}figcaption{color:#555;font-size:12px}</style>"
           "</head><body>\n<h1 style='color:"
        << colour << "'>" << nameOf(result.verdict) << "</h1>\n";
+  if (!made.empty()) (page << "<p>").text(made) << "</p>\n";
   (page << "<p>").text(result.transform_name) << ", board " << problem.board.cols << " x "
                                               << problem.board.rows << " inner corners, square ";
-  page.number(1e3 * problem.board.square) << " mm, " << result.views_used << " of "
-                                          << problem.sightings.size() << " views used</p>\n<ul>\n";
+  page.number(1e3 * problem.board.square)
+      << " mm, " << result.views_used << " of " << problem.observations.size()
+      << " views used</p>\n<ul>\n";
   for (const std::string& reason : result.reasons) (page << "<li>").text(reason) << "</li>\n";
   page << "</ul>\n";
   if (result.solved) {

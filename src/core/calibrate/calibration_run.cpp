@@ -100,7 +100,7 @@ CalibrationRun::CalibrationRun(const HandEyeProblem& problem, const HandEyeParam
       T_base_start_(T_base_start),
       limits_(params.motion, T_base_start),
       T_base_here_(T_base_start),
-      earlier_views_(problem.sightings.size()),
+      earlier_views_(problem.observations.size()),
       random_(static_cast<unsigned>(params.seed)),
       turn_(params.first_turn_deg * kRadians) {
   validate(problem_);
@@ -154,7 +154,7 @@ void CalibrationRun::arrived(const Eigen::Isometry3d& T_base_flange) {
 }
 
 CalibrationRun::End CalibrationRun::whyEnough() const {
-  const auto views = static_cast<int>(problem_.sightings.size() - earlier_views_);
+  const auto views = static_cast<int>(problem_.observations.size() - earlier_views_);
   if (refusals_ >= params_.refusals_max) return End::kRefusals;
   if (attempts_ >= params_.attempts_max) return End::kAttempts;
   if (views >= params_.views_max) return End::kViews;
@@ -240,21 +240,21 @@ void CalibrationRun::lost() {
 }
 
 bool CalibrationRun::isKnown(const Eigen::Isometry3d& T_base_flange) const {
-  return std::any_of(problem_.sightings.begin(), problem_.sightings.end(),
-                     [&](const Sighting& other) {
+  return std::any_of(problem_.observations.begin(), problem_.observations.end(),
+                     [&](const Observation& other) {
                        return isNear(other.T_base_flange, T_base_flange, kSameMetres, kSameRadians);
                      });
 }
 
-void CalibrationRun::seen(const Sighting& sighting) {
+void CalibrationRun::seen(const Observation& observation) {
   poses_.back().state = PlannedPose::State::kSeen;
-  if (isKnown(sighting.T_base_flange)) return;
-  problem_.sightings.push_back(sighting);
+  if (isKnown(observation.T_base_flange)) return;
+  problem_.observations.push_back(observation);
   update();
 }
 
 void CalibrationRun::update() {
-  if (problem_.sightings.size() < kFirstViews) return;
+  if (problem_.observations.size() < kFirstViews) return;
   // Scale and leave-one-out are checked at the end alone.
   HandEyeParams provisional = solver_;
   provisional.min_views = 1000;

@@ -35,19 +35,19 @@ std::string listOf(const std::vector<double>& values) {
   return text.str() + "]";
 }
 
-std::string poseText(const Sighting& sighting) {
-  const Eigen::Vector3d p = sighting.T_base_flange.translation();
-  const Eigen::Quaterniond q(sighting.T_base_flange.linear());
-  return "image: " + sighting.name + ", position: " + listOf({p.x(), p.y(), p.z()}) +
+std::string poseText(const Observation& observation) {
+  const Eigen::Vector3d p = observation.T_base_flange.translation();
+  const Eigen::Quaterniond q(observation.T_base_flange.linear());
+  return "image: " + observation.name + ", position: " + listOf({p.x(), p.y(), p.z()}) +
          ", orientation: " + listOf({q.x(), q.y(), q.z(), q.w()});
 }
 
 std::string samplesYaml(const SampleSet& set) {
   std::string text = "# Pictures and T_base_flange, metres, for calibrate_samples.\n";
-  for (const Sighting& sighting : set.problem.sightings) {
-    text += "- {" + poseText(sighting) + "}\n";
+  for (const Observation& observation : set.problem.observations) {
+    text += "- {" + poseText(observation) + "}\n";
   }
-  return set.problem.sightings.empty() ? "[]\n" : text;
+  return set.problem.observations.empty() ? "[]\n" : text;
 }
 
 std::string quoted(const std::string& text) {
@@ -63,10 +63,11 @@ std::string cornersYaml(const SampleSet& set) {
        << "\nboard: " << problem.board.cols << "x" << problem.board.rows
        << "\nsquare: " << problem.board.square << "\nimage_size: [" << problem.width << ", "
        << problem.height << "]\ncamera_frame: " << quoted(set.camera_frame) << "\nsamples:\n";
-  for (const Sighting& sighting : problem.sightings) {
+  for (const Observation& observation : problem.observations) {
     std::vector<double> corners;
-    for (const Eigen::Vector2d& p : sighting.corners) corners.insert(corners.end(), {p.x(), p.y()});
-    text << "- {" << poseText(sighting) << ", corners: " << listOf(corners) << "}\n";
+    for (const Eigen::Vector2d& p : observation.corners)
+      corners.insert(corners.end(), {p.x(), p.y()});
+    text << "- {" << poseText(observation) << ", corners: " << listOf(corners) << "}\n";
   }
   return text.str();
 }
@@ -81,22 +82,22 @@ std::vector<double> numbers(const YAML::Node& node, const std::string& where,
   return values;
 }
 
-Sighting readSighting(const YAML::Node& node, const std::string& where, const Board& board) {
+Observation readObservation(const YAML::Node& node, const std::string& where, const Board& board) {
   if (!node.IsMap()) throw std::runtime_error(where + ": is no map");
   refuseUnknownKeys(node, where, {"image", "position", "orientation", "corners"});
-  Sighting sighting;
-  sighting.name = valueAs<std::string>(node["image"], where, "image", "the path of a picture");
+  Observation observation;
+  observation.name = valueAs<std::string>(node["image"], where, "image", "the path of a picture");
   const auto p = numbers(node, where, "position", 3), o = numbers(node, where, "orientation", 4);
   const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
   if (std::abs(q.norm() - 1.0) > 1e-3) {
     throwBadValue(where, "orientation", node["orientation"], "a quaternion x y z w of length 1");
   }
-  sighting.T_base_flange = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
+  observation.T_base_flange = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
   const auto corners = numbers(node, where, "corners", 2 * board.size());
   for (std::size_t i = 0; i < corners.size(); i += 2) {
-    sighting.corners.emplace_back(corners[i], corners[i + 1]);
+    observation.corners.emplace_back(corners[i], corners[i + 1]);
   }
-  return sighting;
+  return observation;
 }
 
 SampleSet readSet(const YAML::Node& root, const std::string& path) {
@@ -118,7 +119,7 @@ SampleSet readSet(const YAML::Node& root, const std::string& path) {
   set.camera_frame =
       valueAs<std::string>(root["camera_frame"], path, "camera_frame", "the images' frame");
   for (std::size_t i = 0; i < root["samples"].size(); ++i) {
-    problem.sightings.push_back(readSighting(
+    problem.observations.push_back(readObservation(
         root["samples"][i], path + ": sample " + std::to_string(i + 1), problem.board));
   }
   return set;
@@ -155,10 +156,10 @@ void SampleFolder::begin() const {
 
 std::string SampleFolder::nextName(const SampleSet& set) {
   int last = 0;
-  for (const Sighting& sighting : set.problem.sightings) {
-    const auto digits = sighting.name.find_last_of('_');
+  for (const Observation& observation : set.problem.observations) {
+    const auto digits = observation.name.find_last_of('_');
     if (digits == std::string::npos) continue;
-    last = std::max(last, std::atoi(sighting.name.c_str() + digits + 1));
+    last = std::max(last, std::atoi(observation.name.c_str() + digits + 1));
   }
   std::ostringstream name = classicText();
   name << kPictures << "/picture_" << std::setfill('0') << std::setw(3) << last + 1 << ".png";
@@ -169,7 +170,7 @@ void SampleFolder::add(const SampleSet& set, const std::string& png) const {
   const std::string at = folder_ + "/";
   std::error_code ignored;  // what is wrong with it shows when something is written into it
   fs::create_directories(at + kPictures, ignored);
-  writeTogether({{at + set.problem.sightings.back().name, png},
+  writeTogether({{at + set.problem.observations.back().name, png},
                  {at + kSamples, samplesYaml(set)},
                  {at + kCorners, cornersYaml(set)}});
 }

@@ -56,7 +56,7 @@ ViewGain::ViewGain(const HandEyeProblem& problem, const HandEyeResult& solution,
   for (std::size_t i = 0; i < solution.views.size(); ++i) {
     if (!solution.views[i].used) continue;
     information_ += viewInformation(chain_, noise_, problem.board,
-                                    problem.sightings[i].T_base_flange, weights_);
+                                    problem.observations[i].T_base_flange, weights_);
   }
   const auto lens = lensPrior(chain_.intrinsics, problem.width, problem.height);
   for (std::size_t i = 0; i < lens.size(); ++i) {

@@ -4,6 +4,7 @@
 
 /// What a further view would be worth, and whether the board would surely be in it.
 
+#include "calibrate/hand_eye/adjustment.h"
 #include "calibrate/hand_eye/verdict.h"
 
 #include <array>

@@ -10,7 +10,7 @@
 
 namespace planar_bin_picking_ros {
 
-using planar_bin_picking::BoardSighting;
+using planar_bin_picking::BoardObservation;
 using planar_bin_picking::HandEyeProblem;
 
 BoardLook::BoardLook(const CalibratorParams& params, ImageSource* source,
@@ -57,7 +57,7 @@ Look BoardLook::take() const {
 
 Look BoardLook::takeWithBoard() const {
   Look look = take();
-  if (look.board.status != BoardSighting::Status::kFound) {
+  if (look.board.status != BoardObservation::Status::kFound) {
     throw std::runtime_error(whyNoBoard(look.board, look.image, board_));
   }
   return look;

@@ -5,8 +5,8 @@
 /// A picture of the board and where the flange was when it was taken.
 
 #include "calibrator/calibrator_params.h"
-#include "planar_bin_picking/calibrate/checkerboard.h"
-#include "shared/image_source.h"
+#include "input/image_source.h"
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 #include "shared/transforms.h"
 
 #include <opencv2/core/mat.hpp>
@@ -16,7 +16,7 @@
 namespace planar_bin_picking_ros {
 
 struct Look {
-  planar_bin_picking::BoardSighting board;
+  planar_bin_picking::BoardObservation board;
   Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
   cv::Mat image;  ///< grey, 8 or 16 bit
   Frame frame;
@@ -35,7 +35,7 @@ class BoardLook {
   /// @throws std::runtime_error  as above, or no sharp board: why
   Look takeWithBoard() const;
 
-  /// The problem of this board, camera and mounting, without sightings.
+  /// The problem of this board, camera and mounting, without observations.
   planar_bin_picking::HandEyeProblem problemFor(const Look& look) const;
 
  private:

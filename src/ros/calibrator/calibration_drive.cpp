@@ -13,7 +13,7 @@
 
 namespace planar_bin_picking_ros {
 
-using planar_bin_picking::BoardSighting;
+using planar_bin_picking::BoardObservation;
 using planar_bin_picking::HandEyeProblem;
 
 namespace {
@@ -36,7 +36,7 @@ CalibrationDrive::CalibrationDrive(const CalibratorParams& params, const BoardLo
 
 std::string CalibrationDrive::progress() const {
   return "pose " + std::to_string(run_.attempts()) + ", " +
-         std::to_string(run_.problem().sightings.size()) + " pictures so far";
+         std::to_string(run_.problem().observations.size()) + " pictures so far";
 }
 
 std::vector<Eigen::Isometry3d> CalibrationDrive::wayFromHere() const {
@@ -110,10 +110,10 @@ void CalibrationDrive::visit(const Eigen::Isometry3d& T_base_target) {
   checkNear(T_base_here_, seen.T_base_flange, params_,
             "tf is stale or of another frame: it has the flange",
             "where the robot says that it stands");
-  if (seen.board.status != BoardSighting::Status::kFound) {
-    ROS_WARN_STREAM(
-        (seen.board.status == BoardSighting::Status::kBlurred ? "board blurred" : "board not seen")
-        << " from [" << T_base_target.translation().transpose() << "]");
+  if (seen.board.status != BoardObservation::Status::kFound) {
+    ROS_WARN_STREAM((seen.board.status == BoardObservation::Status::kBlurred ? "board blurred"
+                                                                             : "board not seen")
+                    << " from [" << T_base_target.translation().transpose() << "]");
     run_.lost();
     return;
   }

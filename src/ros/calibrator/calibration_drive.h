@@ -27,7 +27,7 @@ class CalibrationDrive {
   };
 
   /// @param first    taken where the robot stands: the start
-  /// @param problem  with the sightings of an earlier run, or without any
+  /// @param problem  with the observations of an earlier run, or without any
   /// @throws std::invalid_argument  the start is not allowed: why
   CalibrationDrive(const CalibratorParams& params, const BoardLook& board, RobotMover* robot,
                    Listener listener, const Look& first,

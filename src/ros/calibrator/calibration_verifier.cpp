@@ -12,8 +12,8 @@ namespace planar_bin_picking_ros {
 
 using planar_bin_picking::CalibrationCheck;
 using planar_bin_picking::HandEyeProblem;
+using planar_bin_picking::Observation;
 using planar_bin_picking::SampleFolder;
-using planar_bin_picking::Sighting;
 
 namespace {
 
@@ -39,7 +39,7 @@ void CalibrationVerifier::remember(const Look& look) {
   const auto now = Clock::now();
   const auto is_gone = [&](const View& view) {
     return now - view.taken > kOld ||
-           isNear(view.sighting.T_base_flange, look.T_base_flange, kSameMetres, kSameRadians);
+           isNear(view.observation.T_base_flange, look.T_base_flange, kSameMetres, kSameRadians);
   };
   views_.erase(std::remove_if(views_.begin(), views_.end(), is_gone), views_.end());
   if (views_.size() == kViewsMost) views_.erase(views_.begin());
@@ -76,8 +76,8 @@ CalibrationCheck CalibrationVerifier::verify(const Look& look, const HandEyeProb
   const Calibration known = calibration(empty);
   checkCamera(known.set, look);
   remember(look);
-  std::vector<Sighting> views;
-  for (const View& view : views_) views.push_back(view.sighting);
+  std::vector<Observation> views;
+  for (const View& view : views_) views.push_back(view.observation);
   return checkCalibration(known.set.problem, known.result, views);
 }
 

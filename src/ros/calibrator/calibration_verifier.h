@@ -26,7 +26,7 @@ class CalibrationVerifier {
  private:
   using Clock = std::chrono::steady_clock;
   struct View {
-    planar_bin_picking::Sighting sighting;
+    planar_bin_picking::Observation observation;
     Clock::time_point taken;
   };
   struct Calibration {

@@ -7,7 +7,7 @@
 
 namespace planar_bin_picking_ros {
 
-using planar_bin_picking::BoardSighting;
+using planar_bin_picking::BoardObservation;
 using planar_bin_picking::CalibrationRun;
 using planar_bin_picking::HandEyeResult;
 
@@ -46,9 +46,9 @@ void checkNear(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other,
   throw std::runtime_error(text.str());
 }
 
-std::string whyNoBoard(const BoardSighting& seen, const cv::Mat& image,
+std::string whyNoBoard(const BoardObservation& seen, const cv::Mat& image,
                        const planar_bin_picking::Board& board) {
-  if (seen.status == BoardSighting::Status::kBlurred) {
+  if (seen.status == BoardObservation::Status::kBlurred) {
     return "the board is blurred at the start; focus the camera, light the board";
   }
   const std::string wanted = std::to_string(board.cols) + "x" + std::to_string(board.rows);

@@ -6,8 +6,8 @@
 /// something is wrong.
 
 #include "calibrator/calibrator_params.h"
-#include "planar_bin_picking/calibrate/checkerboard.h"
-#include "shared/image_inbox.h"
+#include "input/image_inbox.h"
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 
 #include <opencv2/core/mat.hpp>
 
@@ -26,7 +26,7 @@ void checkNear(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other,
                const CalibratorParams& params, const std::string& what, const std::string& where);
 
 /// Why no calibration can begin with this picture.
-std::string whyNoBoard(const planar_bin_picking::BoardSighting& seen, const cv::Mat& image,
+std::string whyNoBoard(const planar_bin_picking::BoardObservation& seen, const cv::Mat& image,
                        const planar_bin_picking::Board& board);
 
 /// Adds to the result what the solver cannot know: poses that gave no picture of the board, and why

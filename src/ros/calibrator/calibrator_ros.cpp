@@ -19,7 +19,7 @@
 
 namespace planar_bin_picking_ros {
 
-using planar_bin_picking::BoardSighting;
+using planar_bin_picking::BoardObservation;
 using planar_bin_picking::CalibrationRun;
 using planar_bin_picking::HandEyeProblem;
 using planar_bin_picking::HandEyeResult;
@@ -188,7 +188,7 @@ std::string CalibratorRos::calibrate(bool adds) {
   HandEyeProblem problem = board_.problemFor(first);
   if (adds) {
     haveSamples(first);
-    problem.sightings = samples_.set().problem.sightings;
+    problem.observations = samples_.set().problem.observations;
   }
   CalibrationDrive drive(params_, board_, &robot_, listener(), first, problem);
   if (!adds) samples_.begin(problem, first.frame);
@@ -226,7 +226,8 @@ std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResu
   names.mount_frame =
       problem.mounting == Mounting::kEyeInHand ? params_.flange_frame : params_.base_frame;
   names.camera_frame = params_.camera_frame.empty() ? camera_frame : params_.camera_frame;
-  planar_bin_picking::saveCalibration(params_.output_folder, problem, result, names);
+  const std::string folder =
+      planar_bin_picking::saveCalibration(params_.output_folder, problem, result, names);
   std::ostringstream status;
   status.imbue(std::locale::classic());
   status << nameOf(result.verdict) << ":";
@@ -241,7 +242,7 @@ std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResu
            << result.expected_error_deg << " deg with " << result.views_used << " views;";
   }
   for (const std::string& reason : result.reasons) status << " " << reason << ";";
-  status << " see " << params_.output_folder << "/report.html";
+  status << " see " << folder << "/report.html";
   return status.str();
 }
 
@@ -276,7 +277,7 @@ bool CalibratorRos::addSample(Request&, Response& response) {
     const auto hold = begin(CalibratorTask::Kind::kAddSample);
     planar_bin_picking::checkCalibrationFolder(params_.output_folder);
     const Look seen = board_.take();
-    response.success = seen.board.status == BoardSighting::Status::kFound;
+    response.success = seen.board.status == BoardObservation::Status::kFound;
     if (response.success) samples_.add(seen, board_.problemFor(seen));
     response.message =
         (response.success ? "taken"

@@ -14,8 +14,8 @@
 #include "calibrator/calibrator_task.h"
 #include "calibrator/robot_mover.h"
 #include "calibrator/sample_store.h"
+#include "input/image_source.h"
 #include "planar_bin_picking/calibrate/calibration_file.h"
-#include "shared/image_source.h"
 #include "shared/transform_listener.h"
 
 #include <planar_bin_picking/RemoveSample.h>

@@ -48,14 +48,14 @@ SampleStore::SampleStore(const CalibratorParams& params)
 void SampleStore::begin(const HandEyeProblem& empty, const Frame& frame) {
   folder_.begin();
   set_ = SampleSet{empty, frame.image->header.frame_id};
-  set_->problem.sightings.clear();
+  set_->problem.observations.clear();
 }
 
 std::string SampleStore::add(const Look& look, const HandEyeProblem& empty) {
   if (!set_) begin(empty, look.frame);
   checkCamera(*set_, look);
   const std::string name = SampleFolder::nextName(*set_);
-  set_->problem.sightings.push_back({name, look.T_base_flange, look.board.corners});
+  set_->problem.observations.push_back({name, look.T_base_flange, look.board.corners});
   folder_.add(*set_, pngOf(look.image));
   return name;
 }
@@ -70,10 +70,10 @@ void SampleStore::remove(std::size_t number) {
     set_.reset();
     return;
   }
-  auto& sightings = set_->problem.sightings;
-  const auto at = sightings.begin() + static_cast<std::ptrdiff_t>(number - 1);
+  auto& observations = set_->problem.observations;
+  const auto at = observations.begin() + static_cast<std::ptrdiff_t>(number - 1);
   const std::string name = at->name;
-  sightings.erase(at);
+  observations.erase(at);
   folder_.remove(*set_, name);
 }
 
@@ -96,10 +96,10 @@ std::string SampleStore::list() const {
   text.precision(4);
   text << size() << (size() == 1 ? " sample" : " samples");
   for (std::size_t i = 0; i < size(); ++i) {
-    const auto& sighting = set_->problem.sightings[i];
+    const auto& observation = set_->problem.observations[i];
     text << "\n"
-         << i + 1 << ": " << sighting.name << " from ["
-         << sighting.T_base_flange.translation().transpose() << "] m";
+         << i + 1 << ": " << observation.name << " from ["
+         << observation.T_base_flange.translation().transpose() << "] m";
   }
   return text.str();
 }

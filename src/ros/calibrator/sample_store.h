@@ -21,7 +21,7 @@ class SampleStore {
  public:
   explicit SampleStore(const CalibratorParams& params);
 
-  std::size_t size() const { return set_ ? set_->problem.sightings.size() : 0; }
+  std::size_t size() const { return set_ ? set_->problem.observations.size() : 0; }
   bool isEmpty() const { return size() == 0; }
   /// @pre not empty, or just begun
   const planar_bin_picking::SampleSet& set() const { return *set_; }

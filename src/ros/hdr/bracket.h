@@ -7,7 +7,7 @@
 /// way for long; so each frame is held against one of a known exposure (exposureRatio in hdr.h).
 
 #include "hdr/hdr_node_params.h"
-#include "shared/image_inbox.h"
+#include "input/image_inbox.h"
 
 #include <functional>
 #include <stdexcept>

@@ -5,6 +5,7 @@
 #include "locator/bin_range.h"
 #include "locator/load_params.h"
 #include "locator/plane_frame.h"
+#include "planar_bin_picking/image/camera_file.h"
 #include "planar_bin_picking/part/part_summary.h"
 #include "shared/convert_camera.h"
 #include "shared/names.h"

@@ -9,12 +9,12 @@
 /// for what is done at once (reports, tf frames), so that a waiting call keeps neither an image nor
 /// another call from coming in, however few worker threads a nodelet manager has.
 
+#include "input/image_source.h"
 #include "locator/answer/answer_publisher.h"
 #include "locator/cell_params.h"
 #include "locator/part_library.h"
 #include "locator/pick_keeper.h"
 #include "planar_bin_picking/locate/locator.h"
-#include "shared/image_source.h"
 #include "shared/transform_listener.h"
 
 #include <planar_bin_picking/LocatePart.h>

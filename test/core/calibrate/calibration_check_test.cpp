@@ -32,7 +32,7 @@ class CalibrationCheckTest : public testing::TestWithParam<bool> {
     ASSERT_EQ(result_.verdict, Verdict::kGood);
   }
   CalibrationCheck check(int views) {
-    return checkCalibration(problem_, result_, randomProblem(cell_, views, &random_).sightings);
+    return checkCalibration(problem_, result_, randomProblem(cell_, views, &random_).observations);
   }
 
   std::mt19937 random_;
@@ -97,7 +97,7 @@ TEST_P(CalibrationCheckTest, LensThatWasTurned) {
 // A robot that lost its reference differs from view to view.
 TEST_P(CalibrationCheckTest, WhatNothingExplains) {
   calibrate(6);
-  std::vector<Sighting> views = randomProblem(cell_, 3, &random_).sightings;
+  std::vector<Observation> views = randomProblem(cell_, 3, &random_).observations;
   views[0].T_base_flange = views[0].T_base_flange * shift(60.0, 0.0);
   views[1].T_base_flange = views[1].T_base_flange * shift(0.0, 10.0);
   const CalibrationCheck found = checkCalibration(problem_, result_, views);
@@ -112,7 +112,7 @@ TEST(CalibrationCheckInput, IsChecked) {
   const sim::BoardCell cell = sim::makeCell(true, &random);
   const HandEyeProblem problem = randomProblem(cell, 15, &random);
   const HandEyeResult result = solveHandEye(problem, {});
-  std::vector<Sighting> views = problem.sightings;
+  std::vector<Observation> views = problem.observations;
   EXPECT_TRUE(refuses([&] { checkCalibration(problem, result, {}); }, {"1 to 3 views", "0"}));
   EXPECT_TRUE(refuses([&] { checkCalibration(problem, result, views); }, {"15"}));
   views.resize(1);

@@ -13,12 +13,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <yaml-cpp/yaml.h>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <regex>
 #include <set>
+#include <sstream>
 
 namespace planar_bin_picking {
 namespace {
@@ -41,7 +43,10 @@ class CalibrationFile : public testing::Test {
   }
 
   std::string out(const std::string& name = "") const { return dir_.path("out/" + name); }
-  void save() const { saveCalibration(out(), problem_, result_, {"palm", "tool0", "eye"}); }
+  std::string save(bool replace_good = false) const {
+    return saveCalibration(out(), problem_, result_, {"palm", "tool0", "eye"},
+                           {replace_good, "2026-01-02T03:04:05Z"});
+  }
 
   HandEyeProblem problem_;
   HandEyeResult result_;
@@ -55,6 +60,11 @@ TEST_F(CalibrationFile, ReadsWhatItWrote) {
   EXPECT_EQ(file.parent_frame, "tool0");
   EXPECT_EQ(file.child_frame, "eye");
   EXPECT_TRUE(isometryNear(file.T_parent_child, result_.T_mount_camera, 1e-9, 1e-8));
+  EXPECT_EQ(file.verdict, "GOOD");
+  EXPECT_EQ(file.date, "2026-01-02T03:04:05Z");
+  EXPECT_EQ(file.camera_name, "palm");
+  EXPECT_NEAR(file.expected_error_mm, result_.expected_error_mm, 1e-8);
+  EXPECT_NEAR(file.expected_error_deg, result_.expected_error_deg, 1e-8);
   const Camera camera = loadCamera(out("camera_info.yaml"));
   EXPECT_NEAR(camera.model().fx, result_.camera.fx, 1e-5);
   EXPECT_EQ(camera.model().width, 2448);
@@ -63,7 +73,7 @@ TEST_F(CalibrationFile, ReadsWhatItWrote) {
 // A process that reads and writes 1.234,5 writes the same bytes, and reads them.
 TEST_F(CalibrationFile, KnowsNoLocale) {
   // One view does not belong to its pose: what is said of it has numbers, too.
-  auto& T = problem_.sightings[3].T_base_flange;
+  auto& T = problem_.observations[3].T_base_flange;
   T.linear() = T.linear() * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   result_ = solveHandEye(problem_, {});
   save();
@@ -170,6 +180,82 @@ TEST_F(CalibrationFile, SaysWhatIsInTheWayOfItsFolder) {
   EXPECT_TRUE(std::filesystem::is_empty(dir_.path("two/deep")));
   std::filesystem::create_symlink(dir_.path("nowhere"), dir_.path("link"));
   EXPECT_NE(failure(dir_.path("link")), "");
+}
+
+TEST_F(CalibrationFile, SaysWhenAndWhatItIsWorth) {
+  save();
+  for (const char* name : kFiles) {
+    EXPECT_NE(read(out(name)).find("2026-01-02T03:04:05Z"), std::string::npos) << name;
+    EXPECT_NE(read(out(name)).find("palm"), std::string::npos) << name;
+    EXPECT_NE(read(out(name)).find("GOOD"), std::string::npos) << name;
+  }
+  const YAML::Node eye = YAML::LoadFile(out("hand_eye.yaml"));
+  ASSERT_EQ(eye["covariance"].size(), 36u);
+  EXPECT_NEAR(eye["covariance"][7].as<double>(), result_.covariance(kHandEye + 1, kHandEye + 1),
+              1e-15);
+  EXPECT_EQ(eye["board_transform"]["name"].as<std::string>(), "T_base_board");
+  EXPECT_NEAR(eye["board_transform"]["position"][0].as<double>(),
+              result_.T_other_board.translation().x(), 1e-9);
+  // Without a date given it is today's.
+  saveCalibration(out("now"), problem_, result_, {});
+  EXPECT_EQ(loadHandEye(out("now/hand_eye.yaml")).date.substr(0, 2), "20");
+}
+
+// The same transform for who does not read hand_eye.yaml.
+TEST_F(CalibrationFile, WritesLaunchAndXacro) {
+  save();
+  const std::string launch = read(out("static_transform.launch"));
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(launch, match, std::regex("args=\"([^\"]*)\"")));
+  std::istringstream args(match[1]);
+  Eigen::Vector3d p;
+  Eigen::Quaterniond q;
+  std::string parent, child;
+  args >> p.x() >> p.y() >> p.z() >> q.x() >> q.y() >> q.z() >> q.w() >> parent >> child;
+  EXPECT_EQ(parent, "tool0");
+  EXPECT_EQ(child, "eye");
+  EXPECT_TRUE(isometryNear(rigid(q.toRotationMatrix(), p), result_.T_mount_camera, 1e-8, 1e-7));
+  const std::string xacro = read(out("hand_eye.xacro"));
+  ASSERT_TRUE(std::regex_search(xacro, match, std::regex("rpy=\"(\\S+) (\\S+) (\\S+)\"")));
+  const Eigen::Matrix3d R = (Eigen::AngleAxisd(std::stod(match[3]), Eigen::Vector3d::UnitZ()) *
+                             Eigen::AngleAxisd(std::stod(match[2]), Eigen::Vector3d::UnitY()) *
+                             Eigen::AngleAxisd(std::stod(match[1]), Eigen::Vector3d::UnitX()))
+                                .toRotationMatrix();
+  EXPECT_TRUE(isometryNear(rigid(R, p), result_.T_mount_camera, 1e-8, 1e-7));
+}
+
+TEST_F(CalibrationFile, PoorDoesNotReplaceGoodUnlessTold) {
+  EXPECT_EQ(save(), out());
+  const std::string good = read(out("hand_eye.yaml"));
+  result_.verdict = Verdict::kPoor;
+  EXPECT_EQ(save(), out() + "/poor");
+  EXPECT_EQ(read(out("hand_eye.yaml")), good);
+  EXPECT_EQ(loadHandEye(out("poor/hand_eye.yaml")).verdict, "POOR");
+  EXPECT_EQ(save(true), out());
+  EXPECT_EQ(loadHandEye(out("hand_eye.yaml")).verdict, "POOR");
+  // A POOR one replaces a POOR one.
+  EXPECT_EQ(save(), out());
+}
+
+TEST_F(CalibrationFile, RefusedLeavesNoOlderOneLookingValid) {
+  save();
+  result_.verdict = Verdict::kRefused;
+  save();
+  for (const char* name :
+       {"hand_eye.yaml", "camera_info.yaml", "hand_eye.xacro", "static_transform.launch"}) {
+    EXPECT_FALSE(std::filesystem::exists(out(name))) << name;
+    EXPECT_TRUE(std::filesystem::exists(out(name) + ".before")) << name;
+  }
+  EXPECT_NE(read(out("calibration.yaml")).find("REFUSED"), std::string::npos);
+}
+
+// Files of older versions have no date and no verdict.
+TEST_F(CalibrationFile, ReadsOlderFiles) {
+  const HandEyeFile file = loadHandEye(dir_.write(
+      "old.yaml",
+      "{parent_frame: a, child_frame: b, position: [1, 2, 3], orientation: [0, 0, 0, 1]}"));
+  EXPECT_EQ(file.verdict, "");
+  EXPECT_EQ(file.expected_error_mm, 0.0);
 }
 
 TEST_F(CalibrationFile, RefusedIsWrittenWithoutCamera) {

@@ -28,13 +28,13 @@ struct Refusal {
       if (no) {
         refused.push_back(*no);
         run.refused(*no);
-      } else if (addSighting(world.cell, *target, &world.random, &one)) {
-        run.seen(one.sightings[0]);
+      } else if (addObservation(world.cell, *target, &world.random, &one)) {
+        run.seen(one.observations[0]);
       } else {
         run.lost();
       }
     }
-    pictures = run.problem().sightings.size();
+    pictures = run.problem().observations.size();
   }
 
   void check(const Eigen::Isometry3d& pose, double metres, double deg) {

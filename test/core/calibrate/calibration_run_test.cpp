@@ -153,7 +153,7 @@ TEST_P(CalibrationRunTest, NothingEverLeavesItsLimits) {
 class GuidedRun {
  public:
   GuidedRun(RunWorld* world, const RunParams& params) : GuidedRun(world, params, {}) {}
-  GuidedRun(RunWorld* world, const RunParams& params, const std::vector<Sighting>& earlier)
+  GuidedRun(RunWorld* world, const RunParams& params, const std::vector<Observation>& earlier)
       : world_(*world), run(problemWith(*world, earlier), {}, params, world->T_base_start) {}
 
   /// @return  whether there was a next pose
@@ -168,8 +168,8 @@ class GuidedRun {
   /// @return  whether the board was seen
   bool visit() {
     HandEyeProblem one = emptyProblem(world_.cell);
-    const bool is_seen = addSighting(world_.cell, T_base_target, &world_.random, &one);
-    is_seen ? run.seen(one.sightings[0]) : run.lost();
+    const bool is_seen = addObservation(world_.cell, T_base_target, &world_.random, &one);
+    is_seen ? run.seen(one.observations[0]) : run.lost();
     return is_seen;
   }
   void take(int count) {
@@ -180,9 +180,10 @@ class GuidedRun {
   }
 
  private:
-  static HandEyeProblem problemWith(const RunWorld& world, const std::vector<Sighting>& earlier) {
+  static HandEyeProblem problemWith(const RunWorld& world,
+                                    const std::vector<Observation>& earlier) {
     HandEyeProblem problem = emptyProblem(world.cell);
-    problem.sightings = earlier;
+    problem.observations = earlier;
     return problem;
   }
   RunWorld& world_;
@@ -237,7 +238,7 @@ TEST_P(CalibrationRunTest, OnePlaceIsOneView) {
     Vector6d xi = Vector6d::Zero();
     xi[1] = metres;
     xi[3] = deg * sim::kDegree;
-    return run.problem().sightings[0].T_base_flange * exp(xi);
+    return run.problem().observations[0].T_base_flange * exp(xi);
   };
   EXPECT_TRUE(run.isKnown(aside(0.0, 0.0)));
   EXPECT_TRUE(run.isKnown(aside(4.9e-4, 0.0)));
@@ -245,9 +246,9 @@ TEST_P(CalibrationRunTest, OnePlaceIsOneView) {
   EXPECT_TRUE(run.isKnown(aside(0.0, 0.049)));
   EXPECT_FALSE(run.isKnown(aside(0.0, 0.051)));
   ASSERT_TRUE(guided.next());
-  Sighting again = run.problem().sightings[0];
+  Observation again = run.problem().observations[0];
   run.seen(again);
-  EXPECT_EQ(run.problem().sightings.size(), 1u);
+  EXPECT_EQ(run.problem().observations.size(), 1u);
   EXPECT_EQ(run.poses().back().state, PlannedPose::State::kSeen);
 }
 
@@ -259,14 +260,14 @@ TEST_P(CalibrationRunTest, AddsToAnEarlierRun) {
   EXPECT_EQ(first.run.end(), CalibrationRun::End::kGood);
   RunParams params = wideRun();
   params.seed = 2;
-  GuidedRun more(&world, params, first.run.problem().sightings);
+  GuidedRun more(&world, params, first.run.problem().observations);
   EXPECT_TRUE(more.run.solution());
   int added = 0;
   while (more.next()) {
     added += more.visit() ? 1 : 0;
   }
   EXPECT_EQ(more.run.end(), CalibrationRun::End::kGood);
-  EXPECT_EQ(more.run.problem().sightings.size(), 11u);
+  EXPECT_EQ(more.run.problem().observations.size(), 11u);
   EXPECT_EQ(added, 4);  // the start is known already
 }
 

@@ -17,7 +17,7 @@ SampleSet setOf(std::size_t count) {
   std::mt19937 random(3);
   const sim::BoardCell cell = sim::makeCell(true, &random);
   SampleSet set{randomProblem(cell, 3, &random), "camera: \"left\""};
-  set.problem.sightings.resize(count);
+  set.problem.observations.resize(count);
   return set;
 }
 
@@ -25,12 +25,12 @@ SampleSet setOf(std::size_t count) {
 SampleSet fill(const SampleFolder& folder, std::size_t count) {
   const SampleSet all = setOf(count);
   SampleSet set = all;
-  set.problem.sightings.clear();
+  set.problem.observations.clear();
   folder.begin();
-  for (const Sighting& sighting : all.problem.sightings) {
+  for (const Observation& observation : all.problem.observations) {
     const std::string name = SampleFolder::nextName(set);
-    set.problem.sightings.push_back(sighting);
-    set.problem.sightings.back().name = name;
+    set.problem.observations.push_back(observation);
+    set.problem.observations.back().name = name;
     folder.add(set, "png " + name);
   }
   return set;
@@ -48,9 +48,9 @@ TEST(SampleFolder, LoadsWhatWasSaved) {
   EXPECT_DOUBLE_EQ(loaded.problem.board.square, 0.02);
   EXPECT_EQ(loaded.problem.width, set.problem.width);
   EXPECT_EQ(loaded.problem.height, set.problem.height);
-  ASSERT_EQ(loaded.problem.sightings.size(), 3u);
+  ASSERT_EQ(loaded.problem.observations.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
-    const Sighting &a = loaded.problem.sightings[i], &b = set.problem.sightings[i];
+    const Observation &a = loaded.problem.observations[i], &b = set.problem.observations[i];
     EXPECT_EQ(a.name, b.name);
     EXPECT_TRUE(isometryNear(a.T_base_flange, b.T_base_flange, 1e-9, 1e-8));
     ASSERT_EQ(a.corners.size(), b.corners.size());
@@ -69,7 +69,7 @@ TEST(SampleFolder, HasWhatTheToolReads) {
   EXPECT_EQ(samples[0].size(), 3u);
   EXPECT_EQ(samples[1]["image"].as<std::string>(), "samples/picture_002.png");
   EXPECT_NEAR(samples[1]["position"][2].as<double>(),
-              set.problem.sightings[1].T_base_flange.translation().z(), 1e-9);
+              set.problem.observations[1].T_base_flange.translation().z(), 1e-9);
   EXPECT_EQ(samples[1]["orientation"].size(), 4u);
 }
 
@@ -77,15 +77,15 @@ TEST(SampleFolder, RemovesOneAndNeverReusesAName) {
   const TempDir dir;
   const SampleFolder folder(dir.path("out"));
   SampleSet set = fill(folder, 3);
-  set.problem.sightings.erase(set.problem.sightings.begin() + 1);
+  set.problem.observations.erase(set.problem.observations.begin() + 1);
   folder.remove(set, "samples/picture_002.png");
   EXPECT_FALSE(fs::exists(dir.path("out/samples/picture_002.png")));
-  EXPECT_EQ(folder.load().problem.sightings.size(), 2u);
+  EXPECT_EQ(folder.load().problem.observations.size(), 2u);
   EXPECT_EQ(YAML::LoadFile(dir.path("out/samples.yaml")).size(), 2u);
   EXPECT_EQ(SampleFolder::nextName(set), "samples/picture_004.png");
-  set.problem.sightings.clear();
+  set.problem.observations.clear();
   folder.remove(set, "samples/picture_001.png");
-  EXPECT_TRUE(folder.load().problem.sightings.empty());
+  EXPECT_TRUE(folder.load().problem.observations.empty());
 }
 
 TEST(SampleFolder, SetsTheEarlierSetAside) {
@@ -93,14 +93,14 @@ TEST(SampleFolder, SetsTheEarlierSetAside) {
   const SampleFolder folder(dir.path("out"));
   fill(folder, 3);
   fill(folder, 1);
-  EXPECT_EQ(folder.load().problem.sightings.size(), 1u);
-  EXPECT_EQ(SampleFolder(dir.path("out/earlier_samples")).load().problem.sightings.size(), 3u);
+  EXPECT_EQ(folder.load().problem.observations.size(), 1u);
+  EXPECT_EQ(SampleFolder(dir.path("out/earlier_samples")).load().problem.observations.size(), 3u);
   EXPECT_TRUE(fs::exists(dir.path("out/earlier_samples/samples/picture_003.png")));
   EXPECT_FALSE(fs::exists(dir.path("out/samples/picture_002.png")));
   folder.begin();  // and nothing stale stays
   EXPECT_TRUE(refuses([&] { folder.load(); }, {"corners.yaml"}));
   EXPECT_FALSE(fs::exists(dir.path("out/samples.yaml")));
-  EXPECT_EQ(SampleFolder(dir.path("out/earlier_samples")).load().problem.sightings.size(), 1u);
+  EXPECT_EQ(SampleFolder(dir.path("out/earlier_samples")).load().problem.observations.size(), 1u);
 }
 
 TEST(SampleFolder, SaysWhatIsWrong) {
@@ -130,11 +130,11 @@ TEST(SampleFolder, KeepsWhatIsThereWhereTheDiskRefuses) {
   const SampleFolder folder(dir.path("out"));
   SampleSet set = fill(folder, 2);
   fs::create_directories(dir.path("out/samples/picture_003.png"));  // in the way
-  set.problem.sightings.push_back(set.problem.sightings.back());
-  set.problem.sightings.back().name = SampleFolder::nextName(setOf(0));
-  set.problem.sightings.back().name = "samples/picture_003.png";
+  set.problem.observations.push_back(set.problem.observations.back());
+  set.problem.observations.back().name = SampleFolder::nextName(setOf(0));
+  set.problem.observations.back().name = "samples/picture_003.png";
   EXPECT_TRUE(refuses([&] { folder.add(set, "png"); }, {"picture_003.png"}));
-  EXPECT_EQ(folder.load().problem.sightings.size(), 2u);
+  EXPECT_EQ(folder.load().problem.observations.size(), 2u);
 }
 
 }  // namespace

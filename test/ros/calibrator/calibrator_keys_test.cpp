@@ -228,7 +228,7 @@ TEST_F(RunKeys, TiltMaxDeg) {
 TEST_F(RunKeys, MarginPx) {
   const auto margin = [](const RunOutcome& outcome) {
     double least = 1e9;
-    const auto& views = outcome.problem.sightings;
+    const auto& views = outcome.problem.observations;
     for (std::size_t i = 8; i < views.size(); ++i) {
       for (const Eigen::Vector2d& p : views[i].corners) {
         least = std::min(
@@ -319,7 +319,7 @@ TEST_F(SolverKeys, PairAngles) {
 }
 
 TEST_F(SolverKeys, WrongPairDeg) {
-  auto& T = problem_.sightings[4].T_base_flange;
+  auto& T = problem_.observations[4].T_base_flange;
   T.linear() = T.linear() *
                Eigen::AngleAxisd(2.0 * sim::kDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   const std::string words = "turn by angles that differ";

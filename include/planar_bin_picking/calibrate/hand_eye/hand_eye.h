@@ -18,136 +18,16 @@
 /// 1999, Daniilidis 1999 (all as OpenCV has them), and MacKay 1992, Bayesian interpolation, for the
 /// variances.
 
-#include "planar_bin_picking/base/se3.h"
-#include "planar_bin_picking/calibrate/checkerboard.h"
-#include "planar_bin_picking/image/camera.h"
-
-#include <array>
-#include <optional>
-#include <string>
-#include <vector>
+#include "planar_bin_picking/calibrate/hand_eye/hand_eye_problem.h"
 
 namespace planar_bin_picking {
 
-enum class Mounting { kEyeInHand, kEyeToHand };
-
-/// One picture of the board and where the robot stood.
-struct Sighting {
-  std::string name;  ///< for messages
-  Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Vector2d> corners;  ///< pixels, one per corner of the board
-};
-
-struct HandEyeProblem {
-  Mounting mounting = Mounting::kEyeInHand;
-  Board board;
-  int width = 0, height = 0;  ///< of the images
-  std::vector<Sighting> sightings;
-  /// Held fixed where given; otherwise intrinsics and plumb_bob distortion are estimated.
-  std::optional<Camera::Model> camera;
-};
-
-struct HandEyeParams {
-  int min_views = 8;             ///< fewer usable views are refused
-  double robot_sigma_mm = 0.0;   ///< accuracy of the robot's poses; 0 = estimated from the data
-  double robot_sigma_deg = 0.0;  ///< likewise
-  double axes_min_deg = 5.0;  ///< rotations about the second axis, RMS, below which it is refused
-  double pair_angle_min_deg = 5.0;    ///< pairs of views turned by less say nothing about rotation
-  double pair_angle_max_deg = 170.0;  ///< beyond, the axis of the turn is uncertain
-  double wrong_pair_deg = 3.0;        ///< robot and board turn by angles that differ more: not used
-  double robot_poor_mm = 1.0;         ///< noisier robots give POOR
-  double robot_poor_deg = 0.2;
-  double robot_refused_mm = 5.0;  ///< noisier robots are refused
-  double robot_refused_deg = 1.0;
-  double scale_tolerance = 0.02;  ///< relative error of the square that is refused
-  double tolerance_mm = 1.0;      ///< a larger expected error is POOR
-  double tolerance_deg = 0.2;
-  double working_distance = 0.0;  ///< metres from the camera to the parts; 0 = as the boards were
-
-  /// Calls visit(key, member, min, max) for every parameter.
-  template <class Self, class Visit>
-  static void fields(Self& self, Visit&& visit) {
-    visit("min_views", self.min_views, 4, 1000);
-    visit("robot_sigma_mm", self.robot_sigma_mm, 0.0, 100.0);
-    visit("robot_sigma_deg", self.robot_sigma_deg, 0.0, 10.0);
-    visit("axes_min_deg", self.axes_min_deg, 0.0, 90.0);
-    visit("pair_angle_min_deg", self.pair_angle_min_deg, 0.0, 90.0);
-    visit("pair_angle_max_deg", self.pair_angle_max_deg, 90.0, 180.0);
-    visit("wrong_pair_deg", self.wrong_pair_deg, 0.1, 90.0);
-    visit("robot_poor_mm", self.robot_poor_mm, 0.0, 100.0);
-    visit("robot_poor_deg", self.robot_poor_deg, 0.0, 10.0);
-    visit("robot_refused_mm", self.robot_refused_mm, 0.0, 100.0);
-    visit("robot_refused_deg", self.robot_refused_deg, 0.0, 10.0);
-    visit("scale_tolerance", self.scale_tolerance, 0.001, 1.0);
-    visit("tolerance_mm", self.tolerance_mm, 0.001, 1000.0);
-    visit("tolerance_deg", self.tolerance_deg, 0.001, 90.0);
-    visit("working_distance", self.working_distance, 0.0, 100.0);
-  }
-};
-
-/// Columns of the parameters that all views share, as in HandEyeResult::covariance.
-enum SharedColumn { kIntrinsics = 0, kHandEye = 9, kBoard = 15, kSharedSize = 21 };
-
-using SharedMatrix = Eigen::Matrix<double, kSharedSize, kSharedSize>;
-
-enum class Verdict {
-  kGood,     ///< below the tolerances, and nothing speaks against it
-  kPoor,     ///< usable, with the stated expected error; reasons say what limits it
-  kRefused,  ///< not to be used, nothing is saved; reasons say what is wrong
-};
-const char* nameOf(Verdict verdict);  ///< GOOD, POOR, REFUSED
-
-/// What became of one sighting.
-struct ViewResult {
-  bool used = false;
-  std::string why_not;                     ///< where it was not used
-  std::vector<Eigen::Vector2d> residuals;  ///< seen minus predicted, pixels; empty where not used
-  double rms_px = 0.0;    ///< of them, over both coordinates' sum of squares / corners
-  double floor_px = 0.0;  ///< the same with the board placed freely
-  Vector6d correction = Vector6d::Zero();  ///< c of the robot pose
-  Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
-};
-
-struct HandEyeResult {
-  Verdict verdict = Verdict::kRefused;
-  std::vector<std::string> reasons;  ///< empty where GOOD; the heaviest first
-  std::string transform_name;        ///< T_flange_camera or T_base_camera
-  Eigen::Isometry3d T_mount_camera = Eigen::Isometry3d::Identity();  ///< mount: flange or base
-  Eigen::Isometry3d T_other_board = Eigen::Isometry3d::Identity();   ///< other: base or flange
-  Camera::Model camera;
-  bool solved = false;  ///< the numbers below hold
-  /// Of [fx fy cx cy k1 k2 p1 p2 k3, xi of T_mount_camera, xi of T_other_board]; of a given camera:
-  /// zero unless the pictures contradict it, then by how much.
-  SharedMatrix covariance = SharedMatrix::Zero();
-  double rms_px = 0.0;        ///< whole chain, with the corrected robot poses
-  double chain_px = 0.0;      ///< whole chain, with the robot poses as they were reported
-  double pnp_floor_px = 0.0;  ///< each board placed freely: what the corners allow
-  /// Where the pictures contradict the given camera: about the residual that one estimated from
-  /// them would leave; else 0.
-  double own_camera_px = 0.0;
-  double sigma_px = 0.0;                   ///< estimated noise of a corner's coordinate
-  double robot_mm = 0.0, robot_deg = 0.0;  ///< estimated noise of a robot pose, per axis
-  double square_ratio = 0.0, square_ratio_sigma = 0.0;  ///< square that fits / square stated
-  double axes_deg = 0.0;                                ///< RMS rotation about the second axis
-  /// RMS error of the pose of a part at the working distance, in the mount's frame, over five
-  /// places in the image: the calibration's share, with a robot that goes where it says.
-  double expected_error_mm = 0.0, expected_error_deg = 0.0;
-  double working_distance = 0.0;  ///< that it holds for
-  /// How far T_mount_camera moves at most when one view is left out.
-  double leave_one_out_mm = 0.0, leave_one_out_deg = 0.0;
-  int views_used = 0;
-  std::vector<ViewResult> views;  ///< one per sighting
-};
-
 /// Solves and judges. Deterministic. Degenerate input is an answer (REFUSED with reasons), not an
 /// error.
-/// @throws std::invalid_argument  bad board, image size, camera, params; a sighting with another
-/// number of
+/// @throws std::invalid_argument  bad board, image size, camera, params; an observation with
+/// another number of
 ///         corners than the board, or with anything not finite: which one
 /// Cost: about 0.2 s for 15 views of 9 x 6 corners; see test/benchmark/calibration.md.
 HandEyeResult solveHandEye(const HandEyeProblem& problem, const HandEyeParams& params);
-
-/// @throws std::invalid_argument  the first field out of its range: key, value, allowed range
-void validate(const HandEyeParams& params);
 
 }  // namespace planar_bin_picking

@@ -5,6 +5,7 @@
 #include "calibrate/hand_eye/noise_estimate.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,12 +16,13 @@ namespace {
 /// All corners of one view against their predictions, in standard deviations.
 class ViewCost : public ceres::CostFunction {
  public:
-  ViewCost(const HandEyeProblem& problem, const Sighting& sighting, const Adjusted& state,
+  ViewCost(const HandEyeProblem& problem, const Observation& observation, const Adjusted& state,
            const std::vector<double>& weights)
-      : board_(problem.board), sighting_(sighting), chain_(state.chain) {
+      : board_(problem.board), observation_(observation), chain_(state.chain) {
     set_num_residuals(2 * static_cast<int>(board_.size()));
     *mutable_parameter_block_sizes() = {9, 6, 6, 1, 6};
-    for (const double weight : weights) roots_.push_back(std::sqrt(weight) / state.noise.pixel);
+    for (const double weight : weights)
+      roots_.push_back(std::sqrt(weight) / state.noise.effectivePixel());
   }
 
   bool Evaluate(double const* const* parameters, double* out, double** jacobians) const override {
@@ -30,11 +32,11 @@ class ViewCost : public ceres::CostFunction {
     const Increment increment{Xi(parameters[1]), Xi(parameters[2]), Xi(parameters[4]),
                               parameters[3][0]};
     const auto prediction =
-        predict(chain, sighting_.T_base_flange, increment, board_, jacobians != nullptr);
+        predict(chain, observation_.T_base_flange, increment, board_, jacobians != nullptr);
     if (!prediction) return false;
     for (Eigen::Index i = 0; i < prediction->pixels.size(); ++i) {
       const auto corner = static_cast<std::size_t>(i / 2);
-      out[i] = roots_[corner] * (prediction->pixels[i] - sighting_.corners[corner][i % 2]);
+      out[i] = roots_[corner] * (prediction->pixels[i] - observation_.corners[corner][i % 2]);
     }
     if (jacobians == nullptr) return true;
     const Eigen::MatrixXd& shared = prediction->shared;
@@ -58,7 +60,7 @@ class ViewCost : public ceres::CostFunction {
   }
 
   const Board& board_;
-  const Sighting& sighting_;
+  const Observation& observation_;
   const Chain& chain_;
   std::vector<double> roots_;
 };
@@ -85,6 +87,19 @@ class PriorCost : public ceres::CostFunction {
   std::vector<double> sigmas_;
 };
 
+/// Ceres tells its log, and so stderr, of each step that it could not take; what comes of a solve
+/// is told by its summary.
+class QuietCeres {
+ public:
+  QuietCeres() { FLAGS_minloglevel = google::GLOG_FATAL; }
+  ~QuietCeres() { FLAGS_minloglevel = before_; }
+  QuietCeres(const QuietCeres&) = delete;
+  QuietCeres& operator=(const QuietCeres&) = delete;
+
+ private:
+  const int before_ = FLAGS_minloglevel;
+};
+
 ceres::Solver::Options solverOptions() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
@@ -97,7 +112,7 @@ ceres::Solver::Options solverOptions() {
 }
 
 /// One solve with noise and weights as they are in `state`.
-void solveOnce(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+void solveOnce(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                const AdjustOptions& options, Adjusted* state) {
   std::array<double, 9> intrinsics = state->chain.intrinsics;
   Increment shared;
@@ -121,8 +136,7 @@ void solveOnce(const HandEyeProblem& problem, const std::vector<const Sighting*>
   if (options.fixed_camera) {
     problem_ceres.SetParameterBlockConstant(intrinsics.data());
   } else {
-    auto lens = lensPrior(intrinsics, problem.width, problem.height);
-    for (double& sigma : lens) sigma *= options.lens_share;
+    const auto lens = lensPrior(intrinsics, problem.width, problem.height, options.lens);
     problem_ceres.AddResidualBlock(new PriorCost({lens.begin(), lens.end()}), nullptr,
                                    intrinsics.data());
   }
@@ -130,6 +144,7 @@ void solveOnce(const HandEyeProblem& problem, const std::vector<const Sighting*>
   ceres::Solver::Options solver = solverOptions();
   solver.linear_solver_ordering.reset(ordering);
   ceres::Solver::Summary summary;
+  const QuietCeres quiet;
   ceres::Solve(solver, &problem_ceres, &summary);
   state->converged = summary.IsSolutionUsable();
   if (!state->converged) return;
@@ -149,7 +164,7 @@ Adjusted startAt(const Chain& chain, const Noise& noise, std::size_t views, std:
   return state;
 }
 
-Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                 const Adjusted& start, const AdjustOptions& options) {
   Adjusted state = start;
   for (int round = 0;; ++round) {

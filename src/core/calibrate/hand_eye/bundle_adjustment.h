@@ -4,49 +4,16 @@
 
 /// Bundle adjustment over everything at once, and what is known afterwards.
 
-#include "calibrate/hand_eye/chain.h"
+#include "calibrate/hand_eye/adjustment.h"
 
 namespace planar_bin_picking {
 
-/// Noise that weighs the errors against each other; standard deviations per coordinate.
-struct Noise {
-  double pixel = 0.2;     ///< pixels
-  double robot_t = 1e-3;  ///< metres
-  double robot_r = 2e-3;  ///< radians
-};
-
-struct AdjustOptions {
-  bool fixed_camera = false;
-  bool free_scale = false;
-  double lens_share = 1.0;         ///< of the usual lens prior
-  bool fixed_robot_noise = false;  ///< given by the user; otherwise estimated
-  int rounds = 12;  ///< of re-estimating the noise; 0 = one solve with the noise as it is
-};
-
-/// State of the solution over some of the sightings.
-struct Adjusted {
-  Chain chain;
-  Noise noise;
-  std::vector<Vector6d> corrections;         ///< one per view
-  std::vector<std::vector<double>> weights;  ///< of each corner, 0..1
-  Eigen::MatrixXd covariance;                ///< kColumns square; zero where not estimated
-  bool converged = false;
-  bool degenerate = false;  ///< the covariance does not exist
-  /// Squared residuals, in variances, that another camera than the given one would take away; 0
-  /// where that many could do so by chance.
-  double camera_misfit = 0.0;
-};
-
 /// Starts from `start` and the noise in it, weights corners robustly, re-estimates the noise.
-/// @param views  pointers to usable sightings
-Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+/// @param views  pointers to usable observations
+Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                 const Adjusted& start, const AdjustOptions& options);
 
 /// A start without corrections.
 Adjusted startAt(const Chain& chain, const Noise& noise, std::size_t views, std::size_t corners);
-
-/// Residuals of a view: seen minus predicted. Empty where the prediction fails.
-std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
-                                       const Sighting& sighting, const Vector6d& correction);
 
 }  // namespace planar_bin_picking

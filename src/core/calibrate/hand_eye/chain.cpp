@@ -155,6 +155,20 @@ std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T
   return out;
 }
 
+std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
+                                       const Observation& observation, const Vector6d& correction) {
+  Increment increment;
+  increment.correction = correction;
+  const auto prediction = predict(chain, observation.T_base_flange, increment, board, false);
+  std::vector<Eigen::Vector2d> out;
+  if (!prediction) return out;
+  for (std::size_t i = 0; i < observation.corners.size(); ++i) {
+    out.push_back(observation.corners[i] -
+                  prediction->pixels.segment<2>(2 * static_cast<Eigen::Index>(i)));
+  }
+  return out;
+}
+
 Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int height) {
   Camera::Model model;
   model.width = width;
@@ -206,19 +220,26 @@ Chain moved(const Chain& chain, const Increment& increment) {
   return out;
 }
 
-std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height) {
+std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height,
+                                LensFreedom freedom) {
   const double r = 0.5 * std::hypot(width, height) / intrinsics[0], r2 = r * r;
   // Shares of the distance of the image's corner from its centre: a strong lens has 0.3 in all.
   constexpr double kRadial = 0.3, kTangential = 0.02;
+  // What is held this firmly moves no corner by a hundredth of a pixel.
+  constexpr double kHeld = 1e-5;
+  const double k1 = freedom == LensFreedom::kFull   ? 1.0
+                    : freedom == LensFreedom::kNone ? kHeld
+                                                    : 0.1;
+  const double others = freedom == LensFreedom::kFirstRadial ? kHeld : k1;
   return {0.0,
           0.0,
           0.0,
           0.0,
-          kRadial / r2,
-          kRadial / (r2 * r2),
-          kTangential / r,
-          kTangential / r,
-          kRadial / (r2 * r2 * r2)};
+          k1 * kRadial / r2,
+          others * kRadial / (r2 * r2),
+          others * kTangential / r,
+          others * kTangential / r,
+          others * kRadial / (r2 * r2 * r2)};
 }
 
 }  // namespace planar_bin_picking

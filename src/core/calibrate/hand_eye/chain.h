@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// The chain of hand_eye.h from one robot pose to the board's corners, and its derivatives.
+/// The chain of hand_eye.h, from one robot pose to the board's corners, and its derivatives.
 
-#include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
+#include "planar_bin_picking/calibrate/hand_eye/hand_eye_problem.h"
 
 #include <array>
 
@@ -45,6 +45,10 @@ struct Prediction {
 std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T_base_flange,
                                   const Increment& increment, const Board& board, bool jacobians);
 
+/// Residuals of a view: seen minus predicted. Empty where the prediction fails.
+std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
+                                       const Observation& observation, const Vector6d& correction);
+
 /// The intrinsics as Camera has them, and back; denominatorOf() is what fromModel() leaves out.
 Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int height);
 Camera::Model toModel(const Chain& chain, int width, int height);
@@ -57,9 +61,18 @@ double rms(const std::vector<Eigen::Vector2d>& residuals);
 /// The increment applied, and the place of a corrected robot pose.
 Chain moved(const Chain& chain, const Increment& increment);
 
+/// How freely the lens is estimated. Where the freest folds the image over, a plainer one is tried.
+enum class LensFreedom {
+  kFull,         ///< all five coefficients, within what a strong lens has
+  kStiff,        ///< likewise, within a tenth of that
+  kFirstRadial,  ///< k1 alone
+  kNone,         ///< a pinhole
+};
+
 /// Standard deviations that keep lens coefficients sane while views are few: each term may move the
-/// image's corner by a large share of its distance from the centre; see hand_eye_model.cpp. Order
+/// image's corner by a large share of its distance from the centre; see chain.cpp. Order
 /// as intrinsics. Zero: no such limit.
-std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height);
+std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height,
+                                LensFreedom freedom = LensFreedom::kFull);
 
 }  // namespace planar_bin_picking

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrate/hand_eye/closed_form.h"
 
+#include "base/scatter.h"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <opencv2/calib3d.hpp>
@@ -14,16 +16,17 @@ namespace {
 
 constexpr double kRadians = 3.14159265358979323846 / 180.0;
 
-struct Pair {
+struct RelativePair {
   Eigen::Isometry3d robot, board;  // G_i G_j^-1 and C_i C_j^-1
 };
 
-std::vector<Pair> usefulPairs(const std::vector<Motion>& motions, const HandEyeParams& params) {
-  std::vector<Pair> pairs;
+std::vector<RelativePair> usefulPairs(const std::vector<PosePair>& motions,
+                                      const HandEyeParams& params) {
+  std::vector<RelativePair> pairs;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const Pair pair{motions[i].robot * motions[j].robot.inverse(),
-                      motions[i].board * motions[j].board.inverse()};
+      const RelativePair pair{motions[i].robot * motions[j].robot.inverse(),
+                              motions[i].board * motions[j].board.inverse()};
       const double angle = rotationAngle(pair.robot.linear());
       if (angle < params.pair_angle_min_deg * kRadians) continue;
       if (angle > params.pair_angle_max_deg * kRadians) continue;
@@ -35,10 +38,10 @@ std::vector<Pair> usefulPairs(const std::vector<Motion>& motions, const HandEyeP
 
 /// Rotation that turns the board's rotation vectors into the robot's, then the translation (and
 /// scale) from (R_A - I) t_X - s R_X t_B = -t_A.
-std::optional<Chain> fromPairs(const std::vector<Pair>& pairs, bool free_scale) {
+std::optional<Chain> fromPairs(const std::vector<RelativePair>& pairs, bool free_scale) {
   if (pairs.size() < 2) return std::nullopt;
   Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
-  for (const Pair& pair : pairs) {
+  for (const RelativePair& pair : pairs) {
     M += rotationVector(pair.robot.linear()) * rotationVector(pair.board.linear()).transpose();
   }
   const Eigen::Matrix3d R = nearestRotation(M);
@@ -60,11 +63,14 @@ std::optional<Chain> fromPairs(const std::vector<Pair>& pairs, bool free_scale) 
   Chain chain;
   chain.T_mount_camera = rigid(R, x.head<3>());
   chain.scale = free_scale ? x[3] : 1.0;
-  if (!x.allFinite() || !(chain.scale > 0.05 && chain.scale < 20.0)) return std::nullopt;
+  // Millimetres given for metres are a factor of 1000.
+  constexpr double kScaleMost = 1e4;
+  if (!x.allFinite()) return std::nullopt;
+  if (!(chain.scale > 1.0 / kScaleMost && chain.scale < kScaleMost)) return std::nullopt;
   return chain;
 }
 
-std::optional<Eigen::Isometry3d> fromOpenCv(const std::vector<Motion>& motions,
+std::optional<Eigen::Isometry3d> fromOpenCv(const std::vector<PosePair>& motions,
                                             cv::HandEyeCalibrationMethod method) {
   std::vector<cv::Mat> R_robot, t_robot, R_board, t_board;
   const auto add = [](const Eigen::Isometry3d& T, std::vector<cv::Mat>* R,
@@ -77,7 +83,7 @@ std::optional<Eigen::Isometry3d> fromOpenCv(const std::vector<Motion>& motions,
     R->push_back(rotation);
     t->push_back(translation);
   };
-  for (const Motion& motion : motions) {
+  for (const PosePair& motion : motions) {
     add(motion.robot.inverse(), &R_robot, &t_robot);
     add(motion.board, &R_board, &t_board);
   }
@@ -98,11 +104,11 @@ std::optional<Eigen::Isometry3d> fromOpenCv(const std::vector<Motion>& motions,
 }
 
 /// The board's place on its side of the chain, as most of the views have it.
-Eigen::Isometry3d otherBoard(const std::vector<Motion>& motions,
+Eigen::Isometry3d otherBoard(const std::vector<PosePair>& motions,
                              const Eigen::Isometry3d& T_mount_camera, double scale) {
   Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
   std::array<std::vector<double>, 3> t;
-  for (const Motion& motion : motions) {
+  for (const PosePair& motion : motions) {
     Eigen::Isometry3d C = motion.board;
     C.translation() *= scale;
     const Eigen::Isometry3d Z = motion.robot.inverse() * T_mount_camera * C;
@@ -118,9 +124,73 @@ Eigen::Isometry3d otherBoard(const std::vector<Motion>& motions,
   return rigid(nearestRotation(R), middle);
 }
 
+/// A board turned onto its ordering k: T_camera_board of the reordered corners is T * turn(k).
+Eigen::Matrix3d turnOf(std::size_t k, std::size_t count) {
+  const double angle =
+      2.0 * 3.14159265358979323846 * static_cast<double>(k) / static_cast<double>(count);
+  return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+}
+
+double angleError(const PosePair& a, const PosePair& b, const Eigen::Matrix3d& turn) {
+  const double robot = rotationAngle(a.robot.linear() * b.robot.linear().transpose());
+  const double board = rotationAngle(a.board.linear() * turn * b.board.linear().transpose());
+  return std::abs(robot - board);
+}
+
 }  // namespace
 
-double secondAxis(const std::vector<Motion>& motions, const HandEyeParams& params) {
+Eigen::Isometry3d robotSide(Mounting mounting, const Eigen::Isometry3d& T_base_flange) {
+  return mounting == Mounting::kEyeInHand ? T_base_flange.inverse() : T_base_flange;
+}
+
+std::vector<std::size_t> chooseOrderings(const std::vector<PosePair>& motions, const Board& board) {
+  const std::size_t count = orderings(board).size();
+  std::vector<std::size_t> chosen(motions.size(), 0);
+  if (count == 1) return chosen;
+  // Coordinate descent: each view in turn takes the ordering that fits those before it, then all
+  // others.
+  for (int round = 0; round < 5; ++round) {
+    bool changed = false;
+    for (std::size_t i = 1; i < motions.size(); ++i) {
+      std::vector<double> cost(count, 0.0);
+      for (std::size_t j = 0; j < (round == 0 ? i : motions.size()); ++j) {
+        if (j == i) continue;
+        for (std::size_t k = 0; k < count; ++k) {
+          const std::size_t between = (k + count - chosen[j]) % count;
+          // A wrong pair must not outweigh the others.
+          cost[k] += std::min(0.2, angleError(motions[i], motions[j], turnOf(between, count)));
+        }
+      }
+      const auto best =
+          static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+      changed = changed || best != chosen[i];
+      chosen[i] = best;
+    }
+    if (!changed && round > 0) break;
+  }
+  return chosen;
+}
+
+std::vector<Eigen::Vector2d> reordered(const std::vector<Eigen::Vector2d>& corners,
+                                       const std::vector<std::size_t>& ordering) {
+  std::vector<Eigen::Vector2d> out;
+  for (const std::size_t i : ordering) out.push_back(corners[i]);
+  return out;
+}
+
+std::vector<double> angleErrors(const std::vector<PosePair>& motions) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    std::vector<double> errors;
+    for (std::size_t j = 0; j < motions.size(); ++j) {
+      if (j != i) errors.push_back(angleError(motions[i], motions[j], Eigen::Matrix3d::Identity()));
+    }
+    out.push_back(median(errors));
+  }
+  return out;
+}
+
+double secondAxis(const std::vector<PosePair>& motions, const HandEyeParams& params) {
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   int count = 0;
   for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -137,7 +207,7 @@ double secondAxis(const std::vector<Motion>& motions, const HandEyeParams& param
   return std::sqrt(std::max(0.0, eigen.eigenvalues()[1]));
 }
 
-std::vector<Chain> closedForms(const HandEyeProblem& problem, const std::vector<Motion>& motions,
+std::vector<Chain> closedForms(const HandEyeProblem& problem, const std::vector<PosePair>& motions,
                                const std::array<double, 9>& intrinsics, const HandEyeParams& params,
                                bool free_scale) {
   std::vector<Chain> chains;

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
 
+#include "calibrate/board/board_views.h"
 #include "calibrate/hand_eye/bundle_adjustment.h"
 #include "calibrate/hand_eye/closed_form.h"
+#include "calibrate/hand_eye/mistakes.h"
 #include "calibrate/hand_eye/observation_check.h"
 #include "calibrate/hand_eye/verdict.h"
 
@@ -11,7 +13,6 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
-#include <stdexcept>
 
 namespace planar_bin_picking {
 namespace {
@@ -28,14 +29,14 @@ struct Work {
   AdjustOptions options;
   Noise noise;
 
-  std::vector<const Sighting*> views() const {
-    std::vector<const Sighting*> out;
-    for (const Usable& view : usable) out.push_back(&view.sighting);
+  std::vector<const Observation*> views() const {
+    std::vector<const Observation*> out;
+    for (const Usable& view : usable) out.push_back(&view.observation);
     return out;
   }
-  std::vector<Motion> motions() const {
-    std::vector<Motion> out;
-    for (const Usable& view : usable) out.push_back(view.motion);
+  std::vector<PosePair> motions() const {
+    std::vector<PosePair> out;
+    for (const Usable& view : usable) out.push_back(view.poses);
     return out;
   }
 };
@@ -44,7 +45,7 @@ struct Work {
 double chainError(const Work& work, const Chain& chain) {
   std::vector<double> errors;
   for (const Usable& view : work.usable) {
-    const auto r = residuals(chain, work.problem.board, view.sighting, Vector6d::Zero());
+    const auto r = residuals(chain, work.problem.board, view.observation, Vector6d::Zero());
     errors.push_back(r.empty() ? std::numeric_limits<double>::infinity() : rms(r));
   }
   std::sort(errors.begin(), errors.end());
@@ -114,24 +115,24 @@ bool dropOutliers(const Adjusted& state, Work* work, std::vector<ViewResult>* vi
 void fillViews(const Work& work, const Adjusted& state, HandEyeResult* result) {
   double with = 0.0, without = 0.0, floor = 0.0;
   for (std::size_t i = 0; i < work.usable.size(); ++i) {
-    const Sighting& sighting = work.usable[i].sighting;
+    const Observation& observation = work.usable[i].observation;
     ViewResult& view = result->views[work.usable[i].index];
     view.used = true;
     view.correction = state.corrections[i];
     view.T_camera_board =
-        state.chain.cameraBoard(sighting.T_base_flange * exp(state.corrections[i]));
-    view.residuals = residuals(state.chain, work.problem.board, sighting, state.corrections[i]);
+        state.chain.cameraBoard(observation.T_base_flange * exp(state.corrections[i]));
+    view.residuals = residuals(state.chain, work.problem.board, observation, state.corrections[i]);
     view.rms_px = rms(view.residuals);
     Chain placed = state.chain;
     placed.mounting = Mounting::kEyeToHand;
     placed.T_mount_camera = Eigen::Isometry3d::Identity();
     placed.T_other_board =
-        boardPoseNear(result->camera, work.problem.board, sighting.corners, view.T_camera_board);
-    Sighting still = sighting;
+        boardPoseNear(result->camera, work.problem.board, observation.corners, view.T_camera_board);
+    Observation still = observation;
     still.T_base_flange = Eigen::Isometry3d::Identity();
     const auto free = residuals(placed, work.problem.board, still, Vector6d::Zero());
     view.floor_px = free.empty() ? view.rms_px : rms(free);
-    const auto raw = residuals(state.chain, work.problem.board, sighting, Vector6d::Zero());
+    const auto raw = residuals(state.chain, work.problem.board, observation, Vector6d::Zero());
     with += view.rms_px * view.rms_px;
     floor += view.floor_px * view.floor_px;
     without += raw.empty() ? 0.0 : std::pow(rms(raw), 2);
@@ -154,10 +155,11 @@ void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result
   result->robot_mm = 1e3 * state.noise.robot_t;
   result->robot_deg = state.noise.robot_r / kRadians;
   fillViews(work, state, result);
-  if (state.camera_misfit > 0.0) {
+  if (state.camera_model_error > 0.0) {
     const auto corners = static_cast<double>(work.usable.size() * work.problem.board.size());
-    const double without = std::pow(result->rms_px, 2) -
-                           state.camera_misfit * std::pow(state.noise.pixel, 2) / corners;
+    const double without =
+        std::pow(result->rms_px, 2) -
+        state.camera_model_error * std::pow(state.noise.effectivePixel(), 2) / corners;
     result->own_camera_px = std::sqrt(std::max(0.0, without));
   }
   std::vector<double> distances;
@@ -186,7 +188,7 @@ void leaveOneOut(const Work& work, const Adjusted& state, HandEyeResult* result)
   AdjustOptions options = work.options;
   options.rounds = 0;
   for (std::size_t leave = 0; leave < work.usable.size(); ++leave) {
-    std::vector<const Sighting*> views = work.views();
+    std::vector<const Observation*> views = work.views();
     Adjusted start = state;
     const auto at = static_cast<std::ptrdiff_t>(leave);
     views.erase(views.begin() + at);
@@ -196,10 +198,86 @@ void leaveOneOut(const Work& work, const Adjusted& state, HandEyeResult* result)
     if (!without.converged) continue;
     const Eigen::Isometry3d between =
         state.chain.T_mount_camera.inverse() * without.chain.T_mount_camera;
-    result->leave_one_out_mm =
-        std::max(result->leave_one_out_mm, 1e3 * between.translation().norm());
+    const double mm = 1e3 * between.translation().norm();
+    if (mm > result->leave_one_out_mm) {
+      result->leave_one_out_mm = mm;
+      result->leave_one_out_view = work.usable[leave].observation.name;
+    }
     result->leave_one_out_deg =
         std::max(result->leave_one_out_deg, rotationAngle(between.linear()) / kRadians);
+  }
+}
+
+/// Each view's error as the other views predict it, with its robot pose as reported; pixels.
+std::vector<double> heldOutErrors(const Work& work, const Adjusted& state) {
+  constexpr std::size_t kFolds = 5;
+  AdjustOptions options = work.options;
+  options.rounds = 0;
+  std::vector<double> errors(work.usable.size(), 0.0);
+  for (std::size_t fold = 0; fold < kFolds; ++fold) {
+    std::vector<const Observation*> views;
+    Adjusted start = startAt(state.chain, state.noise, 0, 0);
+    for (std::size_t i = 0; i < work.usable.size(); ++i) {
+      if (i % kFolds == fold) continue;
+      views.push_back(&work.usable[i].observation);
+      start.corrections.push_back(state.corrections[i]);
+      start.weights.push_back(state.weights[i]);
+    }
+    const Adjusted without = adjust(work.problem, views, start, options);
+    for (std::size_t i = fold; i < work.usable.size(); i += kFolds) {
+      const auto r = residuals(without.chain, work.problem.board, work.usable[i].observation,
+                               Vector6d::Zero());
+      errors[i] = r.empty() ? work.problem.width : rms(r);
+    }
+  }
+  return errors;
+}
+
+double meanOf(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Whether `errors` are smaller than `reference` by more than chance, view by view.
+bool areSurelySmaller(const std::vector<double>& errors, const std::vector<double>& reference) {
+  // Two standard errors, and a quarter: the error as the robot reports its poses falls a little
+  // with any smaller noise, since that fits these poses more closely; the camera's place need not
+  // gain by it.
+  constexpr double kStandardErrors = 2.0, kShare = 0.25;
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < errors.size(); ++i) gains.push_back(reference[i] - errors[i]);
+  const double gain = meanOf(gains);
+  double square = 0.0;
+  for (const double g : gains) square += (g - gain) * (g - gain);
+  const auto n = static_cast<double>(gains.size());
+  return gain > kStandardErrors * std::sqrt(square / (n * (n - 1.0))) &&
+         gain > kShare * meanOf(reference);
+}
+
+/// Errors of corners that the noise model does not know are easily taken for the robot's. Where
+/// held-out views are surely predicted better with another robot noise, that one is right.
+void chooseRobotNoise(Work* work, Adjusted* state, HandEyeResult* result) {
+  const Noise estimated = state->noise;
+  const std::vector<double> reference = heldOutErrors(*work, *state);
+  result->held_out_px = meanOf(reference);
+  if (work->options.fixed_robot_noise) return;
+  for (const double factor : {0.1, 0.3, 3.0}) {
+    Adjusted trial = *state;
+    trial.noise = estimated;
+    trial.noise.robot_t *= factor;
+    trial.noise.robot_r *= factor;
+    const std::vector<double> errors = heldOutErrors(*work, trial);
+    if (!areSurelySmaller(errors, reference) || !(meanOf(errors) < result->held_out_px)) continue;
+    AdjustOptions options = work->options;
+    options.fixed_robot_noise = true;
+    trial = adjust(work->problem, work->views(), trial, options);
+    if (!trial.converged || trial.degenerate) continue;
+    // What the corners cannot have is the robot's: a smaller noise may not leave it to them.
+    constexpr double kCornersAllow = 1.5;
+    if (trial.noise.pixel > kCornersAllow * estimated.pixel) continue;
+    result->held_out_px = meanOf(errors);
+    *state = trial;
   }
 }
 
@@ -224,9 +302,11 @@ std::optional<Adjusted> solveRobustly(Work* work, const std::array<double, 9>& i
 void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findings,
            HandEyeResult* result) {
   auto state = solveRobustly(work, intrinsics, &result->views);
-  if (state && !lensError(*work, *state).empty()) {
-    // Views that stay near the image's middle leave the lens beyond them open: a plainer one, then.
-    work->options.lens_share = 0.1;
+  // Views that stay near the image's middle leave the lens beyond them open: a plainer one, then.
+  for (const LensFreedom plainer :
+       {LensFreedom::kStiff, LensFreedom::kFirstRadial, LensFreedom::kNone}) {
+    if (!state || lensError(*work, *state).empty()) break;
+    work->options.lens = plainer;
     state = solveRobustly(work, intrinsics, &result->views);
   }
   result->views_used = static_cast<int>(work->usable.size());
@@ -236,8 +316,17 @@ void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findin
   if (!state) return;
   findings->camera_error = lensError(*work, *state);
   if (!findings->camera_error.empty()) return;
+  if (enough) chooseRobotNoise(work, &*state, result);
   fillSolution(*work, *state, result);
   if (enough) leaveOneOut(*work, *state, result);
+}
+
+/// The camera as given, or a first one from the corners.
+std::array<double, 9> firstCamera(const HandEyeProblem& problem) {
+  if (problem.camera) return fromModel(*problem.camera);
+  std::vector<std::vector<Eigen::Vector2d>> views;
+  for (const Observation& observation : problem.observations) views.push_back(observation.corners);
+  return fromModel(cameraFromBoards(problem.board, views, problem.width, problem.height));
 }
 
 Noise firstNoise(const HandEyeParams& params) {
@@ -255,34 +344,29 @@ HandEyeResult solveHandEye(const HandEyeProblem& problem, const HandEyeParams& p
   HandEyeResult result;
   const bool in_hand = problem.mounting == Mounting::kEyeInHand;
   result.transform_name = in_hand ? "T_flange_camera" : "T_base_camera";
-  result.views.resize(problem.sightings.size());
+  result.views.resize(problem.observations.size());
   Findings findings;
-  if (problem.sightings.size() >= kFewest) {
+  if (problem.observations.size() >= kFewest) {
     const std::array<double, 9> intrinsics = firstCamera(problem);
     Work work{problem, params, {}, {}, firstNoise(params)};
     work.options.fixed_camera = problem.camera.has_value();
     work.options.fixed_robot_noise = params.robot_sigma_mm > 0.0 && params.robot_sigma_deg > 0.0;
-    work.usable = checkSightings(problem, params, intrinsics, &result.views, &findings);
+    work.usable = checkObservations(problem, params, intrinsics, &result.views, &findings);
     result.views_used = static_cast<int>(work.usable.size());
     result.axes_deg = secondAxis(work.motions(), params) / kRadians;
+    if (result.axes_deg < params.axes_min_deg && work.usable.size() >= kFewest) {
+      findings.turns = nameTurnFault(problem.observations, result.axes_deg, params);
+    }
     if (work.usable.size() >= kFewest) solve(&work, intrinsics, &findings, &result);
+    judge(problem, params, findings, &result);
+    const bool is_named = findings.late_by_one || !findings.turns.empty() ||
+                          !findings.stale.empty() || !findings.frozen.empty();
+    if (result.verdict == Verdict::kRefused && !is_named) {
+      findings.mistake = nameMistake(problem, intrinsics, params);
+    }
   }
   judge(problem, params, findings, &result);
   return result;
-}
-
-void validate(const HandEyeParams& params) {
-  HandEyeParams::fields(params, [](const std::string& key, const auto& value, auto min, auto max) {
-    if (value >= min && value <= max) return;
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text << key << " is " << value << ", must be between " << min << " and " << max;
-    throw std::invalid_argument(text.str());
-  });
-  if ((params.robot_sigma_mm > 0.0) != (params.robot_sigma_deg > 0.0)) {
-    throw std::invalid_argument(
-        "robot_sigma_mm and robot_sigma_deg: give both, or neither to have them estimated");
-  }
 }
 
 }  // namespace planar_bin_picking

@@ -13,16 +13,16 @@ namespace {
 using CameraVector = Eigen::Matrix<double, kHandEye, 1>;
 using CameraMatrix = Eigen::Matrix<double, kHandEye, kHandEye>;
 
-/// Squared pulls of the views at columns [from, from + size), over what independent corners give.
+/// Squared scores of the views at columns [from, from + size), over what independent corners give.
 double scatter(const Normals& normals, const Eigen::MatrixXd& C, Eigen::Index from,
                Eigen::Index size) {
   const Eigen::MatrixXd weight =
       C.block(from, from, size, size).ldlt().solve(Eigen::MatrixXd::Identity(size, size));
   double seen = 0.0, expected = 0.0;
   for (const Normal& normal : normals.views) {
-    const Eigen::VectorXd moved = C.middleRows(from, size) * normal.pull;
+    const Eigen::VectorXd moved = C.middleRows(from, size) * normal.score;
     seen += moved.dot(weight * moved);
-    // The solution has followed each view's pull a part of the way: hence the second term.
+    // The solution has followed each view's score a part of the way: hence the second term.
     const Eigen::MatrixXd H = normal.marginal();
     const Eigen::MatrixXd spread = C * (H - H * C * H) * C;
     expected += (weight * spread.block(from, from, size, size)).trace();
@@ -40,9 +40,9 @@ CameraVector pixelSteps(const HandEyeProblem& problem, const Chain& chain) {
   return steps;
 }
 
-/// Mean square of an error with this information and pull, in steps of one common size, which
-/// follows from the pull by MacKay's rule.
-CameraMatrix meanSquare(const CameraMatrix& information, const CameraVector& pull) {
+/// Mean square of an error with this information and score, in steps of one common size, which
+/// follows from the score by MacKay's rule.
+CameraMatrix meanSquare(const CameraMatrix& information, const CameraVector& score) {
   constexpr int kRounds = 100;
   double variance = 1.0;
   CameraMatrix posterior;
@@ -51,7 +51,7 @@ CameraMatrix meanSquare(const CameraMatrix& information, const CameraVector& pul
     CameraMatrix regular = information;
     regular.diagonal().array() += 1.0 / variance;
     posterior = regular.ldlt().solve(CameraMatrix::Identity());
-    error = posterior * pull;
+    error = posterior * score;
     const double determined = std::max(0.5, kHandEye - posterior.trace() / variance);
     variance = std::max(1e-12, error.squaredNorm() / determined);
   }
@@ -60,7 +60,7 @@ CameraMatrix meanSquare(const CameraMatrix& information, const CameraVector& pul
 
 }  // namespace
 
-void widenByScatter(const Normals& normals, const AdjustOptions& options, Adjusted* state) {
+void widenByScoreScatter(const Normals& normals, const AdjustOptions& options, Adjusted* state) {
   Eigen::VectorXd widths = Eigen::VectorXd::Ones(kColumns);
   const std::vector<Eigen::Index> columns = estimatedColumns(options);
   const Eigen::Index starts[] = {kIntrinsics, kHandEye, kBoard, kScale, kColumns};
@@ -79,10 +79,10 @@ void widenByGivenCamera(const HandEyeProblem& problem, const Normals& normals, A
   constexpr double kByChance = 21.67;
   constexpr Eigen::Index kOthers = kSharedSize - kHandEye;
   SharedMatrix H = SharedMatrix::Zero();
-  Eigen::Matrix<double, kSharedSize, 1> pull = Eigen::Matrix<double, kSharedSize, 1>::Zero();
+  Eigen::Matrix<double, kSharedSize, 1> score = Eigen::Matrix<double, kSharedSize, 1>::Zero();
   for (const Normal& normal : normals.views) {
     H += normal.marginal().topLeftCorner<kSharedSize, kSharedSize>();
-    pull += normal.pull.head<kSharedSize>();
+    score += normal.score.head<kSharedSize>();
   }
   // What all else does when the camera changes, and what is left of the information on the camera.
   const Eigen::Matrix<double, kOthers, kHandEye> others_by_camera =
@@ -94,12 +94,12 @@ void widenByGivenCamera(const HandEyeProblem& problem, const Normals& normals, A
                                    (H.topLeftCorner<kHandEye, kHandEye>() +
                                     H.topRightCorner<kHandEye, kOthers>() * others_by_camera) *
                                    steps;
-  const CameraVector own_pull =
-      steps * (pull.head<kHandEye>() + others_by_camera.transpose() * pull.tail<kOthers>());
-  const double misfit = own_pull.dot(information.ldlt().solve(own_pull));
-  if (!(misfit > kByChance)) return;
-  state->camera_misfit = misfit;
-  const CameraMatrix error = steps * meanSquare(information, own_pull) * steps;
+  const CameraVector own_score =
+      steps * (score.head<kHandEye>() + others_by_camera.transpose() * score.tail<kOthers>());
+  const double model_error = own_score.dot(information.ldlt().solve(own_score));
+  if (!(model_error > kByChance)) return;
+  state->camera_model_error = model_error;
+  const CameraMatrix error = steps * meanSquare(information, own_score) * steps;
   Eigen::Matrix<double, kSharedSize, kHandEye> by_camera;
   by_camera << CameraMatrix::Identity(), others_by_camera;
   state->covariance.topLeftCorner<kSharedSize, kSharedSize>() +=

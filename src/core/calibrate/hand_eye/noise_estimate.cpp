@@ -6,23 +6,66 @@
 #include "calibrate/hand_eye/model_error.h"
 #include "calibrate/hand_eye/normal_equations.h"
 
+#include <Eigen/QR>
+
 #include <algorithm>
 #include <cmath>
 
 namespace planar_bin_picking {
 namespace {
 
-/// Beyond so many standard deviations a corner's pull no longer grows (Huber).
+/// Beyond so many standard deviations a corner's influence no longer grows (Huber).
 constexpr double kHuber = 2.5;
 
-/// Pixel noise from the median distance, and each corner's weight.
-void weighCorners(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+/// Correlation of the errors of corners that are neighbours, over all views; that which independent
+/// errors have by chance is taken off.
+double neighbourCorrelation(const Board& board,
+                            const std::vector<std::vector<Eigen::Vector2d>>& residuals) {
+  double products = 0.0, squares = 0.0, pairs = 0.0, corners = 0.0;
+  const auto cols = static_cast<std::size_t>(board.cols);
+  for (const std::vector<Eigen::Vector2d>& r : residuals) {
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      squares += r[i].squaredNorm();
+      corners += 1.0;
+      if (i % cols + 1 < cols) products += r[i].dot(r[i + 1]), pairs += 1.0;
+      if (i + cols < r.size()) products += r[i].dot(r[i + cols]), pairs += 1.0;
+    }
+  }
+  if (!(squares > 0.0) || !(pairs > 0.0)) return 0.0;
+  const double by_chance = 2.0 / std::sqrt(2.0 * pairs);
+  constexpr double kMost = 0.95;
+  return std::clamp(products / pairs / (squares / corners) - by_chance, 0.0, kMost);
+}
+
+/// By what correlated corners move a board more than independent ones do: standard deviations, mean
+/// over its shift, turn and size in the picture. The correlation falls with every square.
+double wideningOf(const Board& board, double correlation) {
+  if (!(correlation > 0.0)) return 1.0;
+  const auto n = static_cast<Eigen::Index>(board.size());
+  Eigen::MatrixXd R(n, n), basis(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector3d x = board.corner(static_cast<std::size_t>(i));
+    basis.row(i) << 1.0, x.x(), x.y();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double squares = (x - board.corner(static_cast<std::size_t>(k))).norm() / board.square;
+      R(i, k) = std::pow(correlation, squares);
+    }
+  }
+  const Eigen::MatrixXd Q =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(basis).householderQ() * Eigen::MatrixXd::Identity(n, 3);
+  return std::sqrt(std::max(1.0, (Q.transpose() * R * Q).trace() / 3.0));
+}
+
+/// Pixel noise from the median distance, each corner's weight, and how much correlation widens.
+void weighCorners(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                   const AdjustOptions& options, Adjusted* state) {
   std::vector<std::vector<double>> distances;
   std::vector<double> all;
+  std::vector<std::vector<Eigen::Vector2d>> errors;
   for (std::size_t i = 0; i < views.size(); ++i) {
     std::vector<double>& of_view = distances.emplace_back();
-    for (const auto& r : residuals(state->chain, problem.board, *views[i], state->corrections[i])) {
+    errors.push_back(residuals(state->chain, problem.board, *views[i], state->corrections[i]));
+    for (const auto& r : errors.back()) {
       of_view.push_back(r.norm());
       all.push_back(r.norm());
     }
@@ -35,6 +78,7 @@ void weighCorners(const HandEyeProblem& problem, const std::vector<const Sightin
   const double sigma = std::max(
       1e-3, median(all) / kMedianOfRayleigh * std::sqrt(count / std::max(1.0, count - taken)));
   state->noise.pixel = sigma;
+  state->noise.widening = wideningOf(problem.board, neighbourCorrelation(problem.board, errors));
   for (std::size_t i = 0; i < views.size(); ++i) {
     for (std::size_t k = 0; k < distances[i].size(); ++k) {
       const double share = kHuber * sigma / std::max(1e-12, distances[i][k]);
@@ -45,7 +89,7 @@ void weighCorners(const HandEyeProblem& problem, const std::vector<const Sightin
 
 }  // namespace
 
-void estimateNoise(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+void estimateNoise(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                    const AdjustOptions& options, Adjusted* state) {
   weighCorners(problem, views, options, state);
   if (options.fixed_robot_noise) return;
@@ -76,30 +120,16 @@ void estimateNoise(const HandEyeProblem& problem, const std::vector<const Sighti
   noise.robot_r = updated(square_r, trace_r, noise.robot_r, kExactR);
 }
 
-void estimateCovariance(const HandEyeProblem& problem, const std::vector<const Sighting*>& views,
+void estimateCovariance(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                         const AdjustOptions& options, Adjusted* state) {
   const auto normals = normalsOf(problem, views, options, *state);
   const auto covariance = normals ? invertInformation(normals->information, options) : std::nullopt;
   state->degenerate = !covariance;
   state->covariance = covariance ? *covariance : Eigen::MatrixXd::Zero(kColumns, kColumns);
-  state->camera_misfit = 0.0;
+  state->camera_model_error = 0.0;
   if (state->degenerate) return;
-  widenByScatter(*normals, options, state);
+  widenByScoreScatter(*normals, options, state);
   if (options.fixed_camera && !options.free_scale) widenByGivenCamera(problem, *normals, state);
-}
-
-std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
-                                       const Sighting& sighting, const Vector6d& correction) {
-  Increment increment;
-  increment.correction = correction;
-  const auto prediction = predict(chain, sighting.T_base_flange, increment, board, false);
-  std::vector<Eigen::Vector2d> out;
-  if (!prediction) return out;
-  for (std::size_t i = 0; i < sighting.corners.size(); ++i) {
-    out.push_back(sighting.corners[i] -
-                  prediction->pixels.segment<2>(2 * static_cast<Eigen::Index>(i)));
-  }
-  return out;
 }
 
 }  // namespace planar_bin_picking

@@ -11,19 +11,19 @@ namespace planar_bin_picking {
 
 namespace {
 
-/// @param sighting  without corners: they are as predicted
+/// @param observation  without corners: they are as predicted
 std::optional<Normal> normalOf(const Chain& chain, const Noise& noise, const Board& board,
-                               const Sighting& sighting, const Vector6d& correction,
+                               const Observation& observation, const Vector6d& correction,
                                const std::vector<double>& weights) {
-  const std::vector<Eigen::Vector2d>& corners = sighting.corners;
+  const std::vector<Eigen::Vector2d>& corners = observation.corners;
   // About the corrected pose, where the correction itself is zero.
   const auto prediction =
-      predict(chain, sighting.T_base_flange * exp(correction), Increment(), board, true);
+      predict(chain, observation.T_base_flange * exp(correction), Increment(), board, true);
   if (!prediction) return std::nullopt;
   Eigen::VectorXd w(prediction->pixels.size()), residual = Eigen::VectorXd::Zero(w.size());
   for (Eigen::Index i = 0; i < w.size(); ++i) {
     const auto corner = static_cast<std::size_t>(i / 2);
-    w[i] = std::sqrt(weights[corner]) / noise.pixel;
+    w[i] = std::sqrt(weights[corner]) / noise.effectivePixel();
     if (!corners.empty()) residual[i] = corners[corner][i % 2] - prediction->pixels[i];
   }
   const Eigen::MatrixXd s = w.asDiagonal() * prediction->shared;
@@ -39,7 +39,7 @@ std::optional<Normal> normalOf(const Chain& chain, const Noise& noise, const Boa
   // Schur's complement: what the correction itself would still follow is not left to the others.
   residual = w.cwiseProduct(residual);
   const Vector6d of_correction = c.transpose() * residual - prior.cwiseProduct(correction);
-  normal.pull =
+  normal.score =
       s.transpose() * residual - normal.mixed * normal.correction.llt().solve(of_correction);
   return normal;
 }
@@ -61,7 +61,7 @@ std::vector<Eigen::Index> estimatedColumns(const AdjustOptions& options) {
 }
 
 std::optional<Normals> normalsOf(const HandEyeProblem& problem,
-                                 const std::vector<const Sighting*>& views,
+                                 const std::vector<const Observation*>& views,
                                  const AdjustOptions& options, const Adjusted& state) {
   Normals out;
   out.information = Eigen::MatrixXd::Zero(kColumns, kColumns);
@@ -72,11 +72,10 @@ std::optional<Normals> normalsOf(const HandEyeProblem& problem,
     out.information += normal->marginal();
     out.views.push_back(std::move(*normal));
   }
-  const auto lens = lensPrior(state.chain.intrinsics, problem.width, problem.height);
+  const auto lens = lensPrior(state.chain.intrinsics, problem.width, problem.height, options.lens);
   for (std::size_t i = 0; i < lens.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    const double sigma = options.lens_share * lens[i];
-    if (sigma > 0.0) out.information(k, k) += 1.0 / (sigma * sigma);
+    if (lens[i] > 0.0) out.information(k, k) += 1.0 / (lens[i] * lens[i]);
   }
   return out;
 }

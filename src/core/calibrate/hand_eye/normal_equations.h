@@ -4,7 +4,7 @@
 
 /// The normal equations of a solution, view by view, in standard deviations.
 
-#include "calibrate/hand_eye/bundle_adjustment.h"
+#include "calibrate/hand_eye/adjustment.h"
 
 namespace planar_bin_picking {
 
@@ -13,7 +13,8 @@ struct Normal {
   Eigen::MatrixXd shared;  // kColumns square
   Eigen::MatrixXd mixed;   // kColumns x 6
   Matrix6d correction;     // with the prior
-  Eigen::VectorXd pull;  // of its residuals at the shared parameters; of the solution they sum to 0
+  Eigen::VectorXd score;  // gradient of its log-likelihood by the shared parameters; over all views
+                          // it sums to 0
 
   /// What the view tells about the shared parameters while its correction is open.
   Eigen::MatrixXd marginal() const;
@@ -26,7 +27,7 @@ struct Normals {
 
 /// @return  nothing where a board is not in front of the camera
 std::optional<Normals> normalsOf(const HandEyeProblem& problem,
-                                 const std::vector<const Sighting*>& views,
+                                 const std::vector<const Observation*>& views,
                                  const AdjustOptions& options, const Adjusted& state);
 
 /// What one view tells about the shared parameters (kColumns square), its robot correction

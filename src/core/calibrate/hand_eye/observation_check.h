@@ -2,26 +2,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Sightings that say by themselves that something is wrong, before anything is solved.
+/// Observations that say by themselves that something is wrong, before anything is solved.
 
 #include "calibrate/hand_eye/closed_form.h"
 #include "calibrate/hand_eye/verdict.h"
 
 namespace planar_bin_picking {
 
-/// A sighting that may be used: its corners in the order that all views share.
+/// An observation that may be used: its corners in the order that all views share.
 struct Usable {
   std::size_t index = 0;  ///< in the problem
-  Sighting sighting;
-  Motion motion;
+  Observation observation;
+  PosePair poses;
 };
 
-/// Sorts out orderings, wrong pairs and stale robot poses; says in `views` what became of each.
-std::vector<Usable> checkSightings(const HandEyeProblem& problem, const HandEyeParams& params,
-                                   const std::array<double, 9>& intrinsics,
-                                   std::vector<ViewResult>* views, Findings* findings);
-
-/// Everything that the caller could get wrong. @throws std::invalid_argument
-void validate(const HandEyeProblem& problem);
+/// Sorts out orderings, repeated views, wrong pairs and stale robot poses; says in `views` what
+/// became of each.
+std::vector<Usable> checkObservations(const HandEyeProblem& problem, const HandEyeParams& params,
+                                      const std::array<double, 9>& intrinsics,
+                                      std::vector<ViewResult>* views, Findings* findings);
 
 }  // namespace planar_bin_picking

@@ -56,9 +56,10 @@ struct Reasons {
 
 void judgeViews(const HandEyeProblem& problem, const HandEyeParams& params,
                 const Findings& findings, const HandEyeResult& result, Reasons* reasons) {
-  std::size_t wrong = 0;
-  for (const ViewResult& view : result.views) wrong += view.why_not.empty() ? 0 : 1;
-  const std::size_t count = problem.sightings.size();
+  std::size_t unused = 0;
+  for (const ViewResult& view : result.views) unused += view.why_not.empty() ? 0 : 1;
+  const std::size_t count = problem.observations.size() - findings.repeated;
+  const std::size_t wrong = unused - findings.repeated;
   if (findings.late_by_one) {
     reasons->refusing.push_back(
         "tf is stale: the robot poses fit the pictures taken one pose before; look the robot up at "
@@ -70,10 +71,23 @@ void judgeViews(const HandEyeProblem& problem, const HandEyeParams& params,
         findings.stale.front() + ")";
     (4 * findings.stale.size() > count ? reasons->refusing : reasons->limiting).push_back(text);
   }
+  if (count == 1 && findings.repeated >= 2) {
+    reasons->refusing.push_back(
+        "the robot does not move: the board stands at the same place in all " +
+        std::to_string(problem.observations.size()) +
+        " pictures; check that the robot carries out its moves, and that the pictures are new");
+  } else if (4 * findings.frozen.size() > problem.observations.size()) {
+    reasons->refusing.push_back(
+        "the pictures are old: they are the same while the robot went elsewhere (" +
+        findings.frozen.front() + "); check the camera's driver and that the board is fixed");
+  }
   if (result.views_used < params.min_views) {
     reasons->refusing.push_back("too few views: " + std::to_string(result.views_used) +
-                                " can be used of " + std::to_string(count) + ", needed are " +
-                                std::to_string(params.min_views));
+                                " can be used of " + std::to_string(problem.observations.size()) +
+                                (findings.repeated > 0 ? " (" + std::to_string(findings.repeated) +
+                                                             " show a view once more)"
+                                                       : "") +
+                                ", needed are " + std::to_string(params.min_views));
   }
   if (4 * wrong > count) {
     reasons->refusing.push_back(
@@ -81,12 +95,7 @@ void judgeViews(const HandEyeProblem& problem, const HandEyeParams& params,
         " views picture and robot pose do not belong together; check the frames of the robot poses "
         "(base and flange, and which way round), the mounting, and that the board is fixed");
   }
-  if (result.axes_deg < params.axes_min_deg) {
-    reasons->refusing.push_back("rotations about one axis: the second axis is turned about by " +
-                                degrees(result.axes_deg) + " RMS, needed are " +
-                                degrees(params.axes_min_deg) +
-                                "; tilt the flange about two different axes by 20 deg and more");
-  }
+  if (!findings.turns.empty()) reasons->refusing.push_back(findings.turns);
 }
 
 void judgeSquare(const HandEyeProblem& problem, const HandEyeParams& params,
@@ -138,17 +147,17 @@ void judgeError(const HandEyeParams& params, const HandEyeResult& result, Reason
   }
   const double sigma_mm =
       1e3 * std::sqrt(result.covariance.block<3, 3>(kHandEye, kHandEye).trace());
-  if (result.leave_one_out_mm > std::max(3.0 * sigma_mm, 0.5 * params.tolerance_mm)) {
-    reasons->limiting.push_back("one view alone moves the camera by " +
-                                millimetres(result.leave_one_out_mm));
+  // By chance one view moves the camera by about a sigma. Beyond ten nothing that is stated holds.
+  const bool refused = result.leave_one_out_mm > std::max(10.0 * sigma_mm, params.tolerance_mm);
+  if (refused || result.leave_one_out_mm > std::max(3.0 * sigma_mm, 0.5 * params.tolerance_mm)) {
+    (refused ? reasons->refusing : reasons->limiting)
+        .push_back("one view alone moves the camera by " + millimetres(result.leave_one_out_mm) +
+                   " (" + result.leave_one_out_view + "; the stated sigma is " +
+                   millimetres(sigma_mm) + "); take more views, or leave this one out");
   }
 }
 
 }  // namespace
-
-const char* nameOf(Verdict verdict) {
-  return verdict == Verdict::kGood ? "GOOD" : verdict == Verdict::kPoor ? "POOR" : "REFUSED";
-}
 
 ErrorModel::ErrorModel(const Chain& chain, int width, int height, double distance) {
   const Camera camera(toModel(chain, width, height));
@@ -189,6 +198,8 @@ void judge(const HandEyeProblem& problem, const HandEyeParams& params, const Fin
         "no solution: robot poses and pictures leave it open; take more views, tilted about "
         "different axes");
   }
+  // What explains all the rest stands alone.
+  if (!findings.mistake.empty()) reasons = {{findings.mistake}, {}};
   result->verdict = !reasons.refusing.empty()   ? Verdict::kRefused
                     : !reasons.limiting.empty() ? Verdict::kPoor
                                                 : Verdict::kGood;

@@ -4,7 +4,7 @@
 
 /// What a solution is worth.
 
-#include "calibrate/hand_eye/bundle_adjustment.h"
+#include "calibrate/hand_eye/chain.h"
 
 namespace planar_bin_picking {
 
@@ -26,12 +26,16 @@ class ErrorModel {
 
 /// What the checks before the solution found.
 struct Findings {
-  std::vector<std::string> stale;  ///< sightings whose robot pose is older than their image
-  bool late_by_one = false;        ///< all poses fit the image before their own
-  std::string camera_error;        ///< why the estimated lens cannot be used; "" where it can
+  std::vector<std::string> stale;   ///< observations whose robot pose is older than their image
+  bool late_by_one = false;         ///< all poses fit the image before their own
+  std::vector<std::string> frozen;  ///< pictures that are the same though the robot went elsewhere
+  std::size_t repeated = 0;         ///< observations that are a view once more
+  std::string turns;    ///< why the robot's turns do not determine the camera; "" where they do
+  std::string mistake;  ///< of the input, which explains why nothing fits; "" where there is none
+  std::string camera_error;  ///< why the estimated lens cannot be used; "" where it can
 };
 
-/// Sets verdict and reasons from all other fields.
+/// Sets verdict and reasons from all other fields. A named mistake comes first.
 void judge(const HandEyeProblem& problem, const HandEyeParams& params, const Findings& findings,
            HandEyeResult* result);
 

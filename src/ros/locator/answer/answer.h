@@ -4,9 +4,9 @@
 
 /// One call's result and what it was found in: all that is published about it.
 
+#include "input/image_inbox.h"
 #include "planar_bin_picking/image/camera.h"
 #include "planar_bin_picking/locate/locator.h"
-#include "shared/image_inbox.h"
 
 #include <planar_bin_picking/LocatedPart.h>
 #include <std_msgs/Header.h>

@@ -96,17 +96,17 @@ TEST_P(HandEye, RefusesRotationsAboutOneAxis) {
         first.linear().transpose() * (cell_.in_hand ? cell_.T_other_board.linear().col(2)
                                                     : cell_.T_mount_camera.linear().col(2));
     turned.linear() = first.linear() * Eigen::AngleAxisd(0.05 * (i - 6), axis).toRotationMatrix();
-    addSighting(cell_, turned, &random_, &problem);
+    addObservation(cell_, turned, &random_, &problem);
   }
-  ASSERT_GE(problem.sightings.size(), 8u);
+  ASSERT_GE(problem.observations.size(), 8u);
   EXPECT_TRUE(refusedFor(solveHandEye(problem, {}), {"one axis"}));
 }
 
 TEST_P(HandEye, LeavesOutWrongPairs) {
   HandEyeProblem problem = randomProblem(cell_, 16, &random_);
-  std::swap(problem.sightings[3].T_base_flange, problem.sightings[9].T_base_flange);
+  std::swap(problem.observations[3].T_base_flange, problem.observations[9].T_base_flange);
   // Still moving when the picture was taken: too little for the angles to tell.
-  problem.sightings[12].T_base_flange.translation().x() += 0.004;
+  problem.observations[12].T_base_flange.translation().x() += 0.004;
   const HandEyeResult result = solveHandEye(problem, {});
   EXPECT_FALSE(result.views[3].used);
   EXPECT_FALSE(result.views[9].used);
@@ -121,12 +121,12 @@ TEST_P(HandEye, RefusesStalePoses) {
   const HandEyeProblem problem = randomProblem(cell_, 14, &random_);
   HandEyeProblem late = problem;
   for (std::size_t i = 1; i < 14; ++i) {
-    late.sightings[i].T_base_flange = problem.sightings[i - 1].T_base_flange;
+    late.observations[i].T_base_flange = problem.observations[i - 1].T_base_flange;
   }
   EXPECT_TRUE(refusedFor(solveHandEye(late, {}), {"tf is stale"}));
   HandEyeProblem frozen = problem;
   for (std::size_t i = 5; i < 14; ++i) {
-    frozen.sightings[i].T_base_flange = problem.sightings[4].T_base_flange;
+    frozen.observations[i].T_base_flange = problem.observations[4].T_base_flange;
   }
   EXPECT_TRUE(refusedFor(solveHandEye(frozen, {}), {"tf is stale", "view 5"}));
 }
@@ -148,8 +148,8 @@ TEST_P(HandEye, RefusesTheOtherMounting) {
 
 TEST_P(HandEye, RefusesInvertedPoses) {
   HandEyeProblem problem = randomProblem(cell_, 15, &random_);
-  for (Sighting& sighting : problem.sightings) {
-    sighting.T_base_flange = sighting.T_base_flange.inverse();
+  for (Observation& observation : problem.observations) {
+    observation.T_base_flange = observation.T_base_flange.inverse();
   }
   EXPECT_EQ(solveHandEye(problem, {}).verdict, Verdict::kRefused);
 }
@@ -161,8 +161,8 @@ TEST_P(HandEye, SortsOutBoardsThatLookTheSameTurned) {
     HandEyeProblem problem = randomProblem(cell_, 15, &random_);
     const auto all = orderings(problem.board);
     ASSERT_EQ(all.size(), cols == rows ? 4u : 2u);
-    for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
-      std::vector<Eigen::Vector2d>& corners = problem.sightings[i].corners;
+    for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+      std::vector<Eigen::Vector2d>& corners = problem.observations[i].corners;
       const std::vector<Eigen::Vector2d> before = corners;
       for (std::size_t k = 0; k < corners.size(); ++k) {
         corners[k] = before[all[(i * i) % all.size()][k]];
@@ -193,10 +193,10 @@ TEST_P(HandEye, HoldsAGivenRationalCamera) {
   model.distortion_model = "rational_polynomial";
   model.distortion.insert(model.distortion.end(), {0.2, -0.1, 0.05});
   const Camera camera(model);
-  for (Sighting& sighting : problem.sightings) {
-    const Eigen::Isometry3d T_camera_board = cell_.cameraBoard(sighting.T_base_flange);
-    for (std::size_t i = 0; i < sighting.corners.size(); ++i) {
-      sighting.corners[i] = camera.project(T_camera_board * problem.board.corner(i));
+  for (Observation& observation : problem.observations) {
+    const Eigen::Isometry3d T_camera_board = cell_.cameraBoard(observation.T_base_flange);
+    for (std::size_t i = 0; i < observation.corners.size(); ++i) {
+      observation.corners[i] = camera.project(T_camera_board * problem.board.corner(i));
     }
   }
   problem.camera = model;
@@ -282,18 +282,19 @@ TEST(HandEyeSigma, IsHonest) {
 /// do.
 void bendViews(double bend_px, std::mt19937* random, HandEyeProblem* problem) {
   std::normal_distribution<double> normal(0.0, bend_px);
-  for (Sighting& sighting : problem->sightings) {
+  for (Observation& observation : problem->observations) {
     Eigen::Matrix<double, 2, 3> field;
     for (int i = 0; i < field.size(); ++i) field(i) = normal(*random);
-    for (std::size_t i = 0; i < sighting.corners.size(); ++i) {
+    for (std::size_t i = 0; i < observation.corners.size(); ++i) {
       const Eigen::Vector3d x = problem->board.corner(i) / problem->board.corner(53).x();
-      sighting.corners[i] += field * Eigen::Vector3d(x.x() * x.x(), x.x() * x.y(), x.y() * x.y());
+      observation.corners[i] +=
+          field * Eigen::Vector3d(x.x() * x.x(), x.x() * x.y(), x.y() * x.y());
     }
   }
 }
 
 // Taken for independent, the corners promise so much that the mean square is 7 variances, of fx 28.
-TEST(HandEyeSigma, IsHonestWhereTheErrorsOfAViewHangTogether) {
+TEST(HandEyeSigma, IsHonestWhereTheErrorsOfAViewAreCorrelated) {
   double translation = 0.0, fx = 0.0;
   constexpr int kCells = 30;
   for (int seed = 0; seed < kCells; ++seed) {
@@ -327,8 +328,9 @@ TEST(HandEyeInput, IsChecked) {
   EXPECT_TRUE(refused([](auto* p, auto*) { p->board.cols = 8; }, {"view 1", "54", "48"}));
   EXPECT_TRUE(refused([](auto* p, auto*) { p->width = 0; }, {"image size"}));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(refused([nan](auto* p, auto*) { p->sightings[2].corners[3].x() = nan; }, {"view 3"}));
-  EXPECT_TRUE(refused([](auto* p, auto*) { p->sightings[1].T_base_flange.linear() *= 1.1; },
+  EXPECT_TRUE(
+      refused([nan](auto* p, auto*) { p->observations[2].corners[3].x() = nan; }, {"view 3"}));
+  EXPECT_TRUE(refused([](auto* p, auto*) { p->observations[1].T_base_flange.linear() *= 1.1; },
                       {"view 2", "rigid"}));
   EXPECT_TRUE(refused([](auto*, auto* q) { q->tolerance_mm = -1.0; }, {"tolerance_mm", "-1"}));
   EXPECT_TRUE(

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/image_inbox.h"
+#include "input/image_inbox.h"
 
 namespace planar_bin_picking_ros {
 

@@ -1,16 +1,10 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrate/board/board_views.h"
 
-// What can be said of the views before anything is solved: camera, board poses, orderings, wrong
-// pairs.
-
-#include "base/scatter.h"
-#include "calibrate/hand_eye/closed_form.h"
+#include "planar_bin_picking/base/se3.h"
 
 #include <opencv2/calib3d.hpp>
-
-#include <algorithm>
-#include <cmath>
 
 namespace planar_bin_picking {
 namespace {
@@ -56,40 +50,24 @@ Eigen::Isometry3d fromOpenCv(const cv::Mat_<double>& rvec, const cv::Mat_<double
                Eigen::Vector3d(tvec(0), tvec(1), tvec(2)));
 }
 
-/// A board turned onto its ordering k: T_camera_board of the reordered corners is T * turn(k).
-Eigen::Matrix3d turnOf(std::size_t k, std::size_t count) {
-  const double angle =
-      2.0 * 3.14159265358979323846 * static_cast<double>(k) / static_cast<double>(count);
-  return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-}
-
-double angleError(const Motion& a, const Motion& b, const Eigen::Matrix3d& turn) {
-  const double robot = rotationAngle(a.robot.linear() * b.robot.linear().transpose());
-  const double board = rotationAngle(a.board.linear() * turn * b.board.linear().transpose());
-  return std::abs(robot - board);
-}
-
 }  // namespace
 
-Eigen::Isometry3d robotSide(Mounting mounting, const Eigen::Isometry3d& T_base_flange) {
-  return mounting == Mounting::kEyeInHand ? T_base_flange.inverse() : T_base_flange;
-}
-
-std::array<double, 9> firstCamera(const HandEyeProblem& problem) {
-  if (problem.camera) return fromModel(*problem.camera);
+Camera::Model cameraFromBoards(const Board& board,
+                               const std::vector<std::vector<Eigen::Vector2d>>& views, int width,
+                               int height) {
   std::vector<std::vector<cv::Point3f>> objects;
   std::vector<std::vector<cv::Point2f>> images;
-  for (const Sighting& sighting : problem.sightings) {
-    objects.push_back(objectPoints(problem.board));
-    images.push_back(imagePoints(sighting.corners));
+  for (const std::vector<Eigen::Vector2d>& corners : views) {
+    objects.push_back(objectPoints(board));
+    images.push_back(imagePoints(corners));
   }
-  const cv::Size size(problem.width, problem.height);
+  const cv::Size size(width, height);
   cv::Mat_<double> K = cv::initCameraMatrix2D(objects, images, size, 1.0);
   // Views that hardly tilt say nothing of the focal length: start with a usual lens then.
-  const double usual = 1.2 * problem.width;
-  if (!(K(0, 0) > 0.2 * problem.width && K(0, 0) < 20.0 * problem.width)) {
-    K = (cv::Mat_<double>(3, 3) << usual, 0, 0.5 * (problem.width - 1), 0, usual,
-         0.5 * (problem.height - 1), 0, 0, 1);
+  const double usual = 1.2 * width;
+  if (!(K(0, 0) > 0.2 * width && K(0, 0) < 20.0 * width)) {
+    K = (cv::Mat_<double>(3, 3) << usual, 0, 0.5 * (width - 1), 0, usual, 0.5 * (height - 1), 0, 0,
+         1);
   }
   cv::Mat_<double> distortion = cv::Mat_<double>::zeros(1, 5);
   std::vector<cv::Mat> rotations, translations;
@@ -97,7 +75,8 @@ std::array<double, 9> firstCamera(const HandEyeProblem& problem) {
                     cv::CALIB_FIX_PRINCIPAL_POINT | cv::CALIB_ZERO_TANGENT_DIST | cv::CALIB_FIX_K2 |
                     cv::CALIB_FIX_K3;
   cv::calibrateCamera(objects, images, size, K, distortion, rotations, translations, flags);
-  return {K(0, 0), K(1, 1), K(0, 2), K(1, 2), distortion(0), 0.0, 0.0, 0.0, 0.0};
+  return {width,   height,  K(0, 0),     K(1, 1),
+          K(0, 2), K(1, 2), "plumb_bob", {distortion(0), 0.0, 0.0, 0.0, 0.0}};
 }
 
 std::optional<Eigen::Isometry3d> boardPose(const Camera::Model& camera, const Board& board,
@@ -121,46 +100,6 @@ Eigen::Isometry3d boardPoseNear(const Camera::Model& camera, const Board& board,
   cv::solvePnP(objectPoints(board), imagePoints(corners), cv_camera.K, cv_camera.distortion, rvec,
                tvec, true, cv::SOLVEPNP_ITERATIVE);
   return fromOpenCv(rvec, tvec);
-}
-
-std::vector<std::size_t> chooseOrderings(const std::vector<Motion>& motions, const Board& board) {
-  const std::size_t count = orderings(board).size();
-  std::vector<std::size_t> chosen(motions.size(), 0);
-  if (count == 1) return chosen;
-  // Coordinate descent: each view in turn takes the ordering that fits those before it, then all
-  // others.
-  for (int round = 0; round < 5; ++round) {
-    bool changed = false;
-    for (std::size_t i = 1; i < motions.size(); ++i) {
-      std::vector<double> cost(count, 0.0);
-      for (std::size_t j = 0; j < (round == 0 ? i : motions.size()); ++j) {
-        if (j == i) continue;
-        for (std::size_t k = 0; k < count; ++k) {
-          const std::size_t between = (k + count - chosen[j]) % count;
-          // A wrong pair must not outweigh the others.
-          cost[k] += std::min(0.2, angleError(motions[i], motions[j], turnOf(between, count)));
-        }
-      }
-      const auto best =
-          static_cast<std::size_t>(std::min_element(cost.begin(), cost.end()) - cost.begin());
-      changed = changed || best != chosen[i];
-      chosen[i] = best;
-    }
-    if (!changed && round > 0) break;
-  }
-  return chosen;
-}
-
-std::vector<double> angleErrors(const std::vector<Motion>& motions) {
-  std::vector<double> out;
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    std::vector<double> errors;
-    for (std::size_t j = 0; j < motions.size(); ++j) {
-      if (j != i) errors.push_back(angleError(motions[i], motions[j], Eigen::Matrix3d::Identity()));
-    }
-    out.push_back(median(errors));
-  }
-  return out;
 }
 
 }  // namespace planar_bin_picking

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "planar_bin_picking/calibrate/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 
 #include "planar_bin_picking/image/grey.h"
 
@@ -9,8 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace planar_bin_picking {
 namespace {
@@ -43,8 +43,12 @@ struct Shrunk {
   }
 };
 
+/// Larger images are made smaller before the sector-based detector searches them: it takes 0.2 s
+/// then.
+constexpr int kSectorSearch = 1400;
+
 std::vector<cv::Point2f> sectorBased(const cv::Mat& image, const cv::Size& size) {
-  const Shrunk small(image, 1400);
+  const Shrunk small(image, kSectorSearch);
   std::vector<cv::Point2f> corners;
   if (!cv::findChessboardCornersSB(small.image, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) {
     return {};
@@ -54,14 +58,22 @@ std::vector<cv::Point2f> sectorBased(const cv::Mat& image, const cv::Size& size)
 }
 
 /// The classic detector takes a minute and more to give up where a board is partly visible in a
-/// grainy image (87 s at 0.8 Mpx); in a small and smooth one it takes about a second.
-std::vector<cv::Point2f> classic(const cv::Mat& image, const cv::Size& size) {
-  Shrunk small(image, 700);
-  cv::GaussianBlur(small.image, small.image, {}, 1.0);
+/// grainy image (87 s at 0.8 Mpx); in one of this size and smooth it takes about a second.
+constexpr int kClassicSearch = 700;
+
+std::vector<cv::Point2f> classicAsItIs(const cv::Mat& image, const cv::Size& size) {
+  cv::Mat smooth;
+  cv::GaussianBlur(image, smooth, {}, 1.0);
   std::vector<cv::Point2f> corners;
   const int flags =
       cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
-  if (!cv::findChessboardCorners(small.image, size, corners, flags)) return {};
+  if (!cv::findChessboardCorners(smooth, size, corners, flags)) return {};
+  return corners;
+}
+
+std::vector<cv::Point2f> classic(const cv::Mat& image, const cv::Size& size) {
+  const Shrunk small(image, kClassicSearch);
+  std::vector<cv::Point2f> corners = classicAsItIs(small.image, size);
   small.restore(&corners);
   return corners;
 }
@@ -124,6 +136,24 @@ bool allCrossings(const cv::Mat& image, const Board& board,
   return true;
 }
 
+/// For small boards in large images, which shrinking would lose: the classic detector in tiles of
+/// the size that it searches fast. Half a tile is the largest board that surely lies within one.
+std::vector<cv::Point2f> classicInTiles(const cv::Mat& image, const Board& board) {
+  constexpr int kFineSearch = 3000, kStep = kClassicSearch / 2;
+  const Shrunk fine(image, kFineSearch);
+  const cv::Rect whole(0, 0, fine.image.cols, fine.image.rows);
+  for (int y = 0; y == 0 || y + kStep < whole.height; y += kStep) {
+    for (int x = 0; x == 0 || x + kStep < whole.width; x += kStep) {
+      const cv::Rect tile = cv::Rect(x, y, kClassicSearch, kClassicSearch) & whole;
+      auto corners = classicAsItIs(fine.image(tile), {board.cols, board.rows});
+      for (cv::Point2f& p : corners) p += cv::Point2f(tile.tl());
+      fine.restore(&corners);
+      if (!corners.empty() && allCrossings(image, board, corners)) return corners;
+    }
+  }
+  return {};
+}
+
 std::vector<cv::Point2f> search(const cv::Mat& image, const Board& board) {
   const cv::Size size(board.cols, board.rows);
   // The sector-based detector wants 3 corners a side.
@@ -131,8 +161,10 @@ std::vector<cv::Point2f> search(const cv::Mat& image, const Board& board) {
   if (board.cols > 2 && board.rows > 2) corners = sectorBased(image, size);
   if (!corners.empty() && allCrossings(image, board, corners)) return corners;
   corners = classic(image, size);
-  return !corners.empty() && allCrossings(image, board, corners) ? corners
-                                                                 : std::vector<cv::Point2f>();
+  if (!corners.empty() && allCrossings(image, board, corners)) return corners;
+  // The sector-based detector has searched all that is smaller as it is.
+  if (std::max(image.cols, image.rows) <= kSectorSearch) return {};
+  return classicInTiles(image, board);
 }
 
 /// How much darker the first square is than its neighbours.
@@ -208,41 +240,82 @@ double edgeWidth(const cv::Mat& image, const Board& board, const std::vector<cv:
 /// the neighbours, since every pixel of an edge counts.
 int windowOf(double side) { return std::clamp(static_cast<int>(0.35 * side), 2, 25); }
 
+/// Whether the next corners beyond the grid would be outside the picture.
+bool touchesBorder(const cv::Size& image, const Board& grid,
+                   const std::vector<cv::Point2f>& corners) {
+  constexpr float kSquares = 1.2F;
+  const auto is_outside = [&](const cv::Point2f& edge, const cv::Point2f& inner) {
+    const cv::Point2f p = edge + kSquares * (edge - inner);
+    return p.x < 0.0F || p.y < 0.0F || p.x > static_cast<float>(image.width - 1) ||
+           p.y > static_cast<float>(image.height - 1);
+  };
+  const int last_col = grid.cols - 1, last_row = grid.rows - 1;
+  for (int r = 0; r < grid.rows; ++r) {
+    if (is_outside(at(corners, grid, 0, r), at(corners, grid, 1, r))) return true;
+    if (is_outside(at(corners, grid, last_col, r), at(corners, grid, last_col - 1, r))) return true;
+  }
+  for (int c = 0; c < grid.cols; ++c) {
+    if (is_outside(at(corners, grid, c, 0), at(corners, grid, c, 1))) return true;
+    if (is_outside(at(corners, grid, c, last_row), at(corners, grid, c, last_row - 1))) return true;
+  }
+  return false;
+}
+
+enum class PartOfBoard { kNone, kInside, kCutOff };
+
+/// Whether there is a checkerboard of any size. Older versions of OpenCV cannot tell: it may be,
+/// then.
+bool mayShowBoard(const cv::Mat& image, int least) {
+#if CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 3)
+  const Shrunk small(image, kSectorSearch);
+  std::vector<cv::Point2f> corners;
+  cv::Mat found;
+  if (!cv::findChessboardCornersSB(small.image, {least, least}, corners,
+                                   cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER, found)) {
+    return false;
+  }
+  // It finds grids in mere grain, too.
+  return allCrossings(small.image, {found.cols, found.rows, 1.0}, corners);
+#else
+  return !image.empty() && least > 0;
+#endif
+}
+
+/// Whether some of a checkerboard is seen, and whether the picture's border cuts it off.
+PartOfBoard partOfBoard(const cv::Mat& image, const Board& board) {
+  constexpr int kLeast = 3;  // corners a side that the detector takes
+  if (!mayShowBoard(image, kLeast)) return PartOfBoard::kNone;
+  // Cut off at one side most often, which leaves whole columns, or whole rows.
+  std::vector<cv::Size> sizes;
+  for (int cols = board.cols - 1; cols >= kLeast; --cols) sizes.emplace_back(cols, board.rows);
+  for (int rows = board.rows - 1; rows >= kLeast; --rows) sizes.emplace_back(board.cols, rows);
+  for (int less = 1; std::min(board.cols, board.rows) - less >= kLeast; ++less) {
+    sizes.emplace_back(board.cols - less, board.rows - less);
+  }
+  for (const cv::Size& size : sizes) {
+    const std::vector<cv::Point2f> corners = sectorBased(image, size);
+    if (corners.empty()) continue;
+    if (touchesBorder(image.size(), {size.width, size.height, 1.0}, corners)) {
+      return PartOfBoard::kCutOff;
+    }
+  }
+  return PartOfBoard::kInside;
+}
+
+/// Nobody needs all pictures to see a miscount: some, evenly spread.
+std::vector<cv::Mat> someOf(const std::vector<cv::Mat>& images) {
+  std::vector<cv::Mat> some;
+  const std::size_t step = std::max<std::size_t>(1, images.size() / 6);
+  for (std::size_t i = 0; i < images.size(); i += step) some.push_back(checkedGrey(images[i]));
+  return some;
+}
+
 }  // namespace
 
-void validate(const Board& board) {
-  const auto refuse = [](const std::string& what, double value, const std::string& expected) {
-    std::ostringstream text;
-    text.imbue(std::locale::classic());
-    text << "board: " << what << " is " << value << ", must be " << expected;
-    throw std::invalid_argument(text.str());
-  };
-  const std::string corners = "2 .. 100 inner corners (one less than there are squares)";
-  if (board.cols < 2 || board.cols > 100) refuse("cols", board.cols, corners);
-  if (board.rows < 2 || board.rows > 100) refuse("rows", board.rows, corners);
-  if (!(board.square >= 1e-4 && board.square <= 10.0)) {
-    refuse("square", board.square, "0.0001 .. 10 metres");
-  }
-}
-
-Board parseBoard(const std::string& text, double square) {
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  Board board;
-  char by = 0;
-  if (!(in >> board.cols >> by >> board.rows) || by != 'x' || in.get() != EOF) {
-    throw std::invalid_argument("board is \"" + text +
-                                "\", must be its inner corners as COLSxROWS, such as 9x6");
-  }
-  board.square = square;
-  validate(board);
-  return board;
-}
-
-BoardSighting findBoard(const cv::Mat& image, const Board& board, double blur_max) {
+BoardObservation findBoard(const cv::Mat& image, const Board& board, double blur_max) {
   validate(board);
   const cv::Mat grey_image = checkedGrey(image);
-  BoardSighting out;
+  BoardObservation out;
   std::vector<cv::Point2f> corners = search(grey_image, board);
   if (corners.empty()) return out;
   makeRightHanded(board, &corners);
@@ -253,41 +326,17 @@ BoardSighting findBoard(const cv::Mat& image, const Board& board, double blur_ma
                    {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 100, 1e-4});
   out.edge_px = edgeWidth(grey_image, board, corners, out.square_px);
   if (out.edge_px > blur_max) {
-    out.status = BoardSighting::Status::kBlurred;
+    out.status = BoardObservation::Status::kBlurred;
     return out;
   }
-  out.status = BoardSighting::Status::kFound;
+  out.status = BoardObservation::Status::kFound;
   for (const cv::Point2f& p : corners) out.corners.emplace_back(p.x, p.y);
   return out;
 }
 
-std::vector<std::vector<std::size_t>> orderings(const Board& board) {
-  std::vector<std::size_t> identity(board.size());
-  for (std::size_t i = 0; i < identity.size(); ++i) identity[i] = i;
-  std::vector<std::vector<std::size_t>> out{identity};
-  if ((board.cols + board.rows) % 2 != 0) return out;
-  const bool quarter = board.cols == board.rows && board.cols % 2 == 0;
-  if (!quarter) {
-    out.emplace_back(identity.rbegin(), identity.rend());
-    return out;
-  }
-  for (int turn = 1; turn < 4; ++turn) {
-    std::vector<std::size_t> turned(identity.size());
-    for (int r = 0; r < board.rows; ++r) {
-      for (int c = 0; c < board.cols; ++c) {
-        turned[static_cast<std::size_t>(r * board.cols + c)] =
-            out.back()[static_cast<std::size_t>(c * board.cols + board.cols - 1 - r)];
-      }
-    }
-    out.push_back(turned);
-  }
-  return out;
-}
-
 std::string findOtherBoard(const std::vector<cv::Mat>& images, const Board& board) {
-  std::vector<cv::Mat> some;  // evenly spread: nobody needs all of them to see a miscount
-  const std::size_t step = std::max<std::size_t>(1, images.size() / 6);
-  for (std::size_t i = 0; i < images.size(); i += step) some.push_back(checkedGrey(images[i]));
+  const std::vector<cv::Mat> some = someOf(images);
+  // What one miscounts: one more or less, squares in place of inner corners.
   for (const auto& [dc, dr] : {std::pair(-1, -1),
                                {-1, 0},
                                {0, -1},
@@ -300,13 +349,50 @@ std::string findOtherBoard(const std::vector<cv::Mat>& images, const Board& boar
                                {2, 2}}) {
     const cv::Size size(board.cols + dc, board.rows + dr);
     if (size.width < 3 || size.height < 3) continue;
-    const auto seen = std::count_if(some.begin(), some.end(), [&](const cv::Mat& image) {
-      return !sectorBased(image, size).empty();
-    });
-    if (2 * static_cast<std::size_t>(seen) <= some.size()) continue;
+    // Of a board that is half out of view as many corners may be seen in each picture; but then the
+    // next ones would be outside of all.
+    std::size_t seen = 0, whole = 0;
+    for (const cv::Mat& image : some) {
+      const std::vector<cv::Point2f> corners = sectorBased(image, size);
+      if (corners.empty()) continue;
+      ++seen;
+      const Board grid{size.width, size.height, 1.0};
+      whole += touchesBorder(image.size(), grid, corners) ? 0 : 1;
+    }
+    if (whole == 0 || 2 * seen <= some.size()) continue;
     return std::to_string(size.width) + "x" + std::to_string(size.height);
   }
   return "";
+}
+
+std::string whyBoardIsMissing(const std::vector<cv::Mat>& images, const Board& board) {
+  const std::string stated = std::to_string(board.cols) + "x" + std::to_string(board.rows);
+  const std::string other = findOtherBoard(images, board);
+  if (!other.empty()) {
+    return "inner corners miscounted: most pictures show a board of " + other +
+           " inner corners, stated are " + stated + "; set the board to that";
+  }
+  bool is_seen = false;
+  for (const cv::Mat& image : someOf(images)) {
+    const PartOfBoard part = partOfBoard(image, board);
+    if (part == PartOfBoard::kCutOff) {
+      return "board partly out of view: its edge leaves the picture; all " + stated +
+             " inner corners must be seen: move the board to the middle, the camera farther away, "
+             "or "
+             "use a smaller board";
+    }
+    is_seen = is_seen || part == PartOfBoard::kInside;
+  }
+  if (is_seen) {
+    return "part of a board: the pictures show fewer than " + stated +
+           " inner corners of a checkerboard; count them, and check that nothing covers the board "
+           "or "
+           "shines on it";
+  }
+  return "no board: the pictures show no checkerboard; check that it is in view, lit and in focus, "
+         "and "
+         "that it has " +
+         stated + " inner corners";
 }
 
 }  // namespace planar_bin_picking

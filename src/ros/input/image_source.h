@@ -6,8 +6,8 @@
 /// Always subscribed, since a robot may ask for an image that has already come; an image that
 /// nobody waits for costs a pointer.
 
+#include "input/image_inbox.h"
 #include "shared/clock_watch.h"
-#include "shared/image_inbox.h"
 
 #include <image_transport/image_transport.h>
 #include <image_transport/subscriber_filter.h>

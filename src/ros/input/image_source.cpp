@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shared/image_source.h"
+#include "input/image_source.h"
 
 #include "shared/names.h"
 #include "shared/refusal.h"

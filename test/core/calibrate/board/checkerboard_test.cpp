@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "planar_bin_picking/calibrate/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 #include "sim/board_cell.h"
 #include "support/matchers.h"
 
@@ -32,7 +32,7 @@ Board boardOf(const sim::BoardCell& cell) { return {cell.cols, cell.rows, cell.s
 /// RMS distance to the true corners in the ordering that fits best; which one, too.
 std::pair<double, std::size_t> error(const sim::BoardCell& cell,
                                      const Eigen::Isometry3d& T_camera_board,
-                                     const BoardSighting& sighting) {
+                                     const BoardObservation& observation) {
   std::mt19937 random(1);
   std::vector<Eigen::Vector2d> truth;
   sim::seeCorners(cell, T_camera_board, &random, &truth);
@@ -41,7 +41,7 @@ std::pair<double, std::size_t> error(const sim::BoardCell& cell,
   for (std::size_t k = 0; k < all.size(); ++k) {
     double sum = 0.0;
     for (std::size_t i = 0; i < truth.size(); ++i) {
-      sum += (sighting.corners[all[k][i]] - truth[i]).squaredNorm();
+      sum += (observation.corners[all[k][i]] - truth[i]).squaredNorm();
     }
     best = std::min(best, {std::sqrt(sum / static_cast<double>(truth.size())), k});
   }
@@ -55,10 +55,10 @@ TEST(Checkerboard, IsFoundInAnyTurn) {
     for (const double yaw : {70.0, 230.0}) {
       const auto T_camera_board = tilted(cell, yaw);
       const cv::Mat image = sim::takeBoardImage(cell, T_camera_board, 0.7, 2.0, 1);
-      const BoardSighting sighting = findBoard(image, boardOf(cell), 3.0);
-      ASSERT_EQ(sighting.status, BoardSighting::Status::kFound)
+      const BoardObservation observation = findBoard(image, boardOf(cell), 3.0);
+      ASSERT_EQ(observation.status, BoardObservation::Status::kFound)
           << cols << "x" << rows << " " << yaw;
-      const auto [rms, ordering] = error(cell, T_camera_board, sighting);
+      const auto [rms, ordering] = error(cell, T_camera_board, observation);
       // Noise of 2 grey levels at a contrast of 190.
       EXPECT_LT(rms, 0.08) << cols << "x" << rows << " " << yaw;
       if (orderings(boardOf(cell)).size() == 1) {
@@ -79,31 +79,31 @@ TEST(Checkerboard, SixteenBitsAreAsGood) {
   const sim::BoardCell cell = smallCell(9, 6);
   cv::Mat image = sim::takeBoardImage(cell, tilted(cell, 10.0), 0.7, 1.0, 1), deep;
   image.convertTo(deep, CV_16U, 16.0);
-  const BoardSighting sighting = findBoard(deep, boardOf(cell), 3.0);
-  ASSERT_EQ(sighting.status, BoardSighting::Status::kFound);
-  EXPECT_LT(error(cell, tilted(cell, 10.0), sighting).first, 0.08);
+  const BoardObservation observation = findBoard(deep, boardOf(cell), 3.0);
+  ASSERT_EQ(observation.status, BoardObservation::Status::kFound);
+  EXPECT_LT(error(cell, tilted(cell, 10.0), observation).first, 0.08);
 }
 
 TEST(Checkerboard, MeasuresBlur) {
   const sim::BoardCell cell = smallCell(9, 6);
   for (const double blur : {0.7, 1.5, 3.0}) {
     const cv::Mat image = sim::takeBoardImage(cell, tilted(cell, 20.0), blur, 1.0, 1);
-    const BoardSighting sighting = findBoard(image, boardOf(cell), 2.2);
-    EXPECT_NEAR(sighting.edge_px, blur, 0.3 + 0.15 * blur);
-    EXPECT_EQ(sighting.status,
-              blur > 2.2 ? BoardSighting::Status::kBlurred : BoardSighting::Status::kFound);
-    EXPECT_EQ(sighting.corners.empty(), blur > 2.2);
+    const BoardObservation observation = findBoard(image, boardOf(cell), 2.2);
+    EXPECT_NEAR(observation.edge_px, blur, 0.3 + 0.15 * blur);
+    EXPECT_EQ(observation.status,
+              blur > 2.2 ? BoardObservation::Status::kBlurred : BoardObservation::Status::kFound);
+    EXPECT_EQ(observation.corners.empty(), blur > 2.2);
   }
 }
 
 TEST(Checkerboard, IsNotFoundWhereThereIsNone) {
   const cv::Mat grey(800, 1000, CV_8U, cv::Scalar(90));
-  EXPECT_EQ(findBoard(grey, {9, 6, 0.02}, 3.0).status, BoardSighting::Status::kNotFound);
+  EXPECT_EQ(findBoard(grey, {9, 6, 0.02}, 3.0).status, BoardObservation::Status::kNotFound);
   const sim::BoardCell cell = smallCell(9, 6);
   Eigen::Isometry3d half_out = tilted(cell, 0.0);
   half_out.translation().x() += 0.16;
   const cv::Mat image = sim::takeBoardImage(cell, half_out, 0.7, 2.0, 1);
-  EXPECT_EQ(findBoard(image, boardOf(cell), 3.0).status, BoardSighting::Status::kNotFound);
+  EXPECT_EQ(findBoard(image, boardOf(cell), 3.0).status, BoardObservation::Status::kNotFound);
 }
 
 TEST(Checkerboard, NamesTheBoardThatIsThere) {
@@ -113,6 +113,34 @@ TEST(Checkerboard, NamesTheBoardThatIsThere) {
   EXPECT_EQ(findOtherBoard(images, {10, 7, 0.02}), "9x6");
   EXPECT_EQ(findOtherBoard(images, {9, 7, 0.02}), "9x6");
   EXPECT_EQ(findOtherBoard({cv::Mat(800, 1000, CV_8U, cv::Scalar(90))}, {9, 7, 0.02}), "");
+}
+
+TEST(Checkerboard, SaysWhyItIsMissing) {
+  const sim::BoardCell cell = smallCell(9, 6);
+  const auto seen = [&](double right) {
+    Eigen::Isometry3d T_camera_board = tilted(cell, 0.0);
+    T_camera_board.translation().x() += right;
+    return sim::takeBoardImage(cell, T_camera_board, 0.7, 2.0, 1);
+  };
+  const auto why = [](const cv::Mat& image, const Board& board) {
+    return whyBoardIsMissing({image}, board);
+  };
+  EXPECT_EQ(why(seen(0.0), {10, 7, 0.02}).find("inner corners miscounted"), 0u);
+  EXPECT_NE(why(seen(0.0), {10, 7, 0.02}).find("9x6"), std::string::npos);
+  // Half of it is seen; it is no board of fewer corners.
+  EXPECT_EQ(why(seen(0.16), {9, 6, 0.02}).find("board partly out of view"), 0u);
+  EXPECT_EQ(findOtherBoard({seen(0.16)}, {9, 6, 0.02}), "");
+  EXPECT_EQ(why(seen(2.0), {9, 6, 0.02}).find("no board"), 0u);
+}
+
+// Shrunk to the size that is searched first, its squares have 4 pixels.
+TEST(Checkerboard, IsFoundWhereItIsSmallInALargePicture) {
+  sim::BoardCell cell = smallCell(4, 3);
+  cell.camera = {2800, 2000, 1400.0, 1398.0, 1400.0, 1000.0, {0.0, 0.0, 0.0, 0.0, 0.0}};
+  Eigen::Isometry3d T_camera_board = tilted(cell, 25.0);
+  T_camera_board.translation() *= 5.0;
+  const cv::Mat image = sim::takeBoardImage(cell, T_camera_board, 0.6, 1.0, 1);
+  EXPECT_EQ(findBoard(image, boardOf(cell), 3.0).status, BoardObservation::Status::kFound);
 }
 
 TEST(Checkerboard, RefusesBadInput) {
