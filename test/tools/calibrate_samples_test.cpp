@@ -156,7 +156,7 @@ TEST_F(CalibrateSamples, SaysNothingOnStandardErrorAndWhereItWrote) {
 
 TEST_F(CalibrateSamples, RefusesBadInputInOneLine) {
   EXPECT_TRUE(refused(run("9x6", "0.02", inHand() + " --replace-good maybe"),
-                      {"--replace-good", "maybe", "yes or no"}));
+                      {"--replace-good", "maybe", "yes,no"}));
   EXPECT_TRUE(refused(run("9x6", "zero", inHand()), {"--square", "zero"}));
   EXPECT_TRUE(refused(run("9-6", "0.02", inHand()), {"9-6", "9x6"}));
   EXPECT_TRUE(

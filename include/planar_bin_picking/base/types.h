@@ -58,10 +58,10 @@ struct Candidate {
   std::size_t part = 0;  ///< index into the parts given to Locator::locate
   Face face = Face::kFront;
   Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
-  double votes = 0.0;  ///< mean support of the outline's raster points, 0..1
+  double votes = 0.0;  ///< mean vote of the outline's raster points, 0..1
 };
 
-/// A pose that the refinement has settled.
+/// A pose aligned to the image.
 struct RefinedPose {
   std::size_t part = 0;
   Face face = Face::kFront;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kResolved = 10.0;  // pixels: of a narrower hole both rims lie within one profile
 constexpr double kUnseen = 0.4;     // better supported, the hole is where it is drawn
-constexpr double kReachPx = 1.5;    // off the contour at which an edge no longer supports it
+constexpr double kReachPx = 1.5;    // off the contour from which on an edge is no inlier
 constexpr SearchProfile kNear{3, true, 0.8};
 constexpr int kFarthest = 12;       // pixels along a normal, while the other place is sought
 constexpr double kFarShare = 0.25;  // the same, of the hole's width

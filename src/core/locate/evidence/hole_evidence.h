@@ -13,7 +13,7 @@ namespace planar_bin_picking {
 
 /// What the edges about one drawn hole say, 0..1 each.
 struct HoleEvidence {
-  double here = 0.0;       ///< mean support of the hole as the pose has it
+  double here = 0.0;       ///< inlier score of the hole as the pose has it
   double elsewhere = 0.0;  ///< of the best other place or size near it; 0 where none was sought
 };
 

@@ -20,7 +20,7 @@ inline double inlierScore(const EdgeHit& hit, double reach_px) {
   return std::max(0.0, 1.0 - off * off) * hit.cosine;
 }
 
-/// Mean support: Psi of Eq. (12) with the above.
+/// Mean over the points: Psi of Eq. (12) with the above.
 inline double inlierScore(const std::vector<EdgeHit>& hits, double reach_px) {
   double sum = 0.0;
   for (const auto& hit : hits) sum += inlierScore(hit, reach_px);

@@ -3,7 +3,7 @@
 #pragma once
 
 /// Whether a part's side wall is seen where a pose puts it: on the other side of the part than its
-/// twin, tilted the other way about the line of sight, would have it.
+/// other solution of the plane's pose, tilted the other way, would have it.
 
 #include "image/edge_search.h"
 
@@ -13,7 +13,7 @@
 namespace planar_bin_picking {
 
 /// @param points  of the shape
-/// @return  mean support of the walls' lower edges, 0..1; nothing where too little of the walls is
+/// @return  inlier score of the walls' lower edges, 0..1; nothing where too little of the walls is
 ///          in view: a wall seen narrower than two pixels does not count, and neither does one
 ///          whose upper edge is not seen (something covers it)
 std::optional<double> wallScore(const EdgeMap& edges, const Camera& camera,

@@ -115,7 +115,8 @@ bool isCovered(const PartModel& part, int loop, const EdgeMap& edges, const Came
 double provenWrong(const PartModel& part, const std::vector<Hole>& holes, const EdgeMap& edges,
                    const Camera& camera, const RefinedPose& pose,
                    const std::vector<OutlinePiece>& pieces) {
-  constexpr double kProof = 0.4;  // of the support, that a hole has more of elsewhere than here
+  constexpr double kProof =
+      0.4;  // of the inlier score, that a hole has more of elsewhere than here
   const Eigen::Isometry3d T = pose.T_camera_part * centreOf(part, pose.face);
   const double px_per_metre = camera.model().fx / T.translation().z();
   double proof = 0.0;

@@ -5,7 +5,7 @@
 /// Stage 4: RefinedPose -> ScoredPose: what speaks for a pose, and how much of the part is
 /// uncovered (src/core/locate/judge/occlusion.h).
 ///
-/// The score is the mean support (Eq. 12 of [1], noise excluded, less with distance) of outer
+/// The score is the mean inlier score (Eq. 12 of [1], noise excluded, less with distance) of outer
 /// contour, holes and print, each counting the same. Differs from [1] Sec. III-D, which averages
 /// over all points: holes are short but hardly ever matched by chance (measured in test/benchmark).
 /// Of the print only what is in view counts. What is proof against a pose lowers the score however

@@ -19,7 +19,6 @@ void estimateEdgeOffsets(const std::vector<PoseHypothesis>& poses,
 
 /// The pose with the offset of its own edges as far as these tell it, else that of all copies, and
 /// the covariance of both together.
-/// @param floor_px  standard deviation that no edge beats, over the whole outline
 RefinedPose withOwnOffset(const PoseHypothesis& pose, const PartOutline& outline, double focal_px);
 
 }  // namespace planar_bin_picking

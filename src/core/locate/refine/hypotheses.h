@@ -28,7 +28,6 @@ ChosenPose chooseHypothesis(const Aligner& aligner, const RefineParams& params,
 
 /// Parts rest on one another and on one floor: the way that the others lie weighs in on the sign of
 /// each tilt. Poses that change are aligned anew.
-/// @param known  the plane on which the parts lie, if one is known: then that decides instead
 void decideTilts(const Aligner& aligner, const std::vector<std::shared_ptr<const PartModel>>& parts,
                  std::vector<ChosenPose>* poses);
 

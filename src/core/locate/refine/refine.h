@@ -15,7 +15,7 @@
 namespace planar_bin_picking {
 
 /// @param parts       those that Candidate::part indexes
-/// @return            poses without twins, best supported first
+/// @return            poses without duplicates, highest inlier score first
 std::vector<RefinedPose> refineCandidates(
     const EdgeMap& edges, const Camera& camera,
     const std::vector<std::shared_ptr<const PartModel>>& parts,

@@ -24,8 +24,8 @@ Eigen::Isometry3d tilted(double degrees) {
 
 /// What speaks for the walls of `pose` where the plate lies at `truth`; `cover_mm` of its length
 /// are covered.
-std::optional<double> wallSupportOf(const Eigen::Isometry3d& truth, const Eigen::Isometry3d& pose,
-                                    double cover_mm = 0.0) {
+std::optional<double> wallScoreOf(const Eigen::Isometry3d& truth, const Eigen::Isometry3d& pose,
+                                  double cover_mm = 0.0) {
   const auto part = makePart("thick", thickPlate());
   sim::Scene scene;
   // The wall is what the upper face leaves of the lower one.
@@ -41,8 +41,8 @@ std::optional<double> wallSupportOf(const Eigen::Isometry3d& truth, const Eigen:
 
 TEST(WallEvidence, SpeaksForTheSideOnWhichTheWallIs) {
   for (const double tilt_deg : {-18.0, 18.0}) {
-    const auto right = wallSupportOf(tilted(tilt_deg), tilted(tilt_deg)),
-               twin = wallSupportOf(tilted(tilt_deg), tilted(-tilt_deg));
+    const auto right = wallScoreOf(tilted(tilt_deg), tilted(tilt_deg)),
+               twin = wallScoreOf(tilted(tilt_deg), tilted(-tilt_deg));
     ASSERT_TRUE(right && twin) << tilt_deg;
     EXPECT_GT(*right, 0.8) << tilt_deg;
     EXPECT_LT(*twin, 0.3) << tilt_deg;
@@ -50,14 +50,14 @@ TEST(WallEvidence, SpeaksForTheSideOnWhichTheWallIs) {
 }
 
 TEST(WallEvidence, SaysNothingWhereNoWallIsInView) {
-  EXPECT_FALSE(wallSupportOf(tilted(1.0), tilted(1.0)));
+  EXPECT_FALSE(wallScoreOf(tilted(1.0), tilted(1.0)));
 }
 
 TEST(WallEvidence, ACoveredWallDoesNotCount) {
-  const auto half = wallSupportOf(tilted(18.0), tilted(18.0), 40.0);
+  const auto half = wallScoreOf(tilted(18.0), tilted(18.0), 40.0);
   ASSERT_TRUE(half);
   EXPECT_GT(*half, 0.8);
-  EXPECT_FALSE(wallSupportOf(tilted(18.0), tilted(18.0), 95.0));
+  EXPECT_FALSE(wallScoreOf(tilted(18.0), tilted(18.0), 95.0));
 }
 
 }  // namespace

@@ -62,23 +62,23 @@ TEST(Refine, TheCovarianceHoldsTheError) {
   EXPECT_GT(sum / count, 0.02);
 }
 
-/// A disk with three holes, cut `inset_mm` into the material all around, as a bevel shows it.
-sim::Plate bevelledDisk(double inset_mm) {
+/// A disk with three holes, cut `offset_mm` into the material all around, as a bevel shows it.
+sim::Plate bevelledDisk(double offset_mm) {
   sim::Plate plate;
-  plate.outer = circle(0, 0, 24 - inset_mm);
-  plate.holes = {circle(12, 0, 5 + inset_mm, true), circle(-9, 10, 3 + inset_mm, true),
-                 circle(-5, -13, 4 + inset_mm, true)};
+  plate.outer = circle(0, 0, 24 - offset_mm);
+  plate.holes = {circle(12, 0, 5 + offset_mm, true), circle(-9, 10, 3 + offset_mm, true),
+                 circle(-5, -13, 4 + offset_mm, true)};
   return plate;
 }
 
-TEST(Refine, EachCopyKeepsTheInsetOfItsOwnEdges) {
+TEST(Refine, EachCopyKeepsTheOffsetOfItsOwnEdges) {
   const Parts parts = {makePart("disk", bevelledDisk(0.0))};
   sim::Scene scene;
-  std::vector<double> insets_mm;
+  std::vector<double> offsets_mm;
   std::vector<Candidate> candidates;
   for (int i = 0; i < 6; ++i) {
-    insets_mm.push_back(i % 2 == 0 ? 0.0 : 0.3);
-    scene.plates.push_back(sceneOf(bevelledDisk(insets_mm.back()),
+    offsets_mm.push_back(i % 2 == 0 ? 0.0 : 0.3);
+    scene.plates.push_back(sceneOf(bevelledDisk(offsets_mm.back()),
                                    {60.0 * (i % 3) - 60, 60.0 * (i / 3) - 30, 600, 50.0 * i})
                                .plates[0]);
     candidates.push_back(candidateNear(scene.plates.back().T_camera_part));
@@ -92,7 +92,7 @@ TEST(Refine, EachCopyKeepsTheInsetOfItsOwnEdges) {
       if ((found - truth).head<2>().norm() > 0.01) continue;
       // Taken for distance, 0.3 mm of 24 would be 7.5 mm.
       EXPECT_NEAR(found.z(), truth.z(), 2e-3) << i;
-      EXPECT_NEAR(1e3 * pose.edge_offset, insets_mm[i], 0.12) << i;
+      EXPECT_NEAR(1e3 * pose.edge_offset, offsets_mm[i], 0.12) << i;
     }
   }
 }
