@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locate/refine/suppression.h"
+
+#include "support/plates.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking {
+namespace {
+
+using Indices = std::vector<std::size_t>;
+
+constexpr double kDistance = 0.02, kScoreMin = 0.4;
+constexpr int kMany = 100;
+
+PartOutline outlineOf(const std::shared_ptr<const PartModel>& part, double grain = 0.02) {
+  PartOutline outline;
+  outline.part = part.get();
+  outline.grain = grain;
+  return outline;
+}
+
+PoseHypothesis poseAt(double x_mm, double score, double yaw_deg = 0.0, bool front = true) {
+  PoseHypothesis pose;
+  pose.T_camera_part = sim::poseOf({x_mm, 0, 600, yaw_deg, 0, 0, front});
+  pose.face = front ? Face::kFront : Face::kBack;
+  pose.inlier_score = score;
+  return pose;
+}
+
+class Suppression : public testing::Test {
+ protected:
+  Indices withoutDuplicates(const std::vector<PoseHypothesis>& poses, double score_min = kScoreMin,
+                            int max_poses = kMany) const {
+    return planar_bin_picking::withoutDuplicates(poses, outlines_, kDistance, score_min, max_poses);
+  }
+  Indices withoutOutscored(const std::vector<PoseHypothesis>& poses) const {
+    return planar_bin_picking::withoutOutscored(poses, outlines_);
+  }
+  std::shared_ptr<const PartModel> bracket_ = makePart("bracket", bracketPlate());
+  std::shared_ptr<const PartModel> square_ =
+      makePart("square", {rectangle(-30, -30, 30, 30), {}, {}, 0.0});
+  std::vector<PartOutline> outlines_ = {outlineOf(bracket_), outlineOf(square_)};
+};
+
+TEST_F(Suppression, TheBestComeFirst) {
+  EXPECT_EQ(withoutDuplicates({poseAt(-100, 0.5), poseAt(0, 0.9), poseAt(100, 0.7)}),
+            (Indices{1, 2, 0}));
+}
+
+TEST_F(Suppression, OfEqualScoresTheFirstStaysFirst) {
+  EXPECT_EQ(withoutDuplicates({poseAt(-100, 0.5), poseAt(0, 0.5), poseAt(100, 0.5)}),
+            (Indices{0, 1, 2}));
+}
+
+TEST_F(Suppression, TheLeastScoreItselfStays) {
+  EXPECT_EQ(withoutDuplicates({poseAt(0, 0.39), poseAt(100, 0.4)}), Indices{1});
+}
+
+TEST_F(Suppression, NoneGivesNone) {
+  EXPECT_TRUE(withoutDuplicates({}).empty());
+  EXPECT_TRUE(withoutDuplicates({poseAt(0, 0.1)}).empty());
+  EXPECT_TRUE(withoutOutscored({}).empty());
+}
+
+TEST_F(Suppression, MaxPosesCountsEachPartByItself) {
+  std::vector<PoseHypothesis> poses = {poseAt(-200, 0.9), poseAt(-100, 0.8), poseAt(0, 0.7),
+                                       poseAt(100, 0.6), poseAt(200, 0.5)};
+  poses[3].part = poses[4].part = 1;
+  EXPECT_EQ(withoutDuplicates(poses, kScoreMin, 2), (Indices{0, 1, 3, 4}));
+  EXPECT_EQ(withoutDuplicates(poses, kScoreMin, 1), (Indices{0, 3}));
+}
+
+TEST_F(Suppression, ADuplicateDoesNotCountAmongMaxPoses) {
+  EXPECT_EQ(withoutDuplicates({poseAt(0, 0.9), poseAt(0, 0.8), poseAt(100, 0.7)}, kScoreMin, 2),
+            (Indices{0, 2}));
+}
+
+TEST_F(Suppression, OfPosesThatAgreeOnlyTheBestStays) {
+  const double radius_mm = 1e3 * bracket_->radius();
+  const double near = 0.9 * kDistance * radius_mm, far = 1.1 * kDistance * radius_mm;
+  EXPECT_EQ(withoutDuplicates({poseAt(0, 0.6), poseAt(near, 0.9)}), Indices{1});
+  EXPECT_EQ(withoutDuplicates({poseAt(0, 0.6), poseAt(far, 0.9)}), (Indices{1, 0}));
+}
+
+TEST_F(Suppression, WhatAgreesOnlyWithASuppressedPoseStays) {
+  // A chain: the middle one goes, so it can suppress nothing itself.
+  const double step_mm = 0.7 * kDistance * 1e3 * bracket_->radius();
+  EXPECT_EQ(withoutDuplicates({poseAt(0, 0.9), poseAt(step_mm, 0.8), poseAt(2 * step_mm, 0.7)}),
+            (Indices{0, 2}));
+}
+
+TEST_F(Suppression, FacesAreNotDuplicatesOfEachOther) {
+  std::vector<PoseHypothesis> poses = {poseAt(0, 0.9), poseAt(0, 0.8)};
+  poses[1].face = Face::kBack;
+  EXPECT_EQ(withoutDuplicates(poses), (Indices{0, 1}));
+}
+
+TEST_F(Suppression, PartsAreNotDuplicatesOfEachOther) {
+  std::vector<PoseHypothesis> poses = {poseAt(0, 0.9), poseAt(0, 0.8)};
+  poses[1].part = 1;
+  EXPECT_EQ(withoutDuplicates(poses), (Indices{0, 1}));
+}
+
+TEST_F(Suppression, PosesThatASymmetryMakesEqualAreOne) {
+  std::vector<PoseHypothesis> poses = {poseAt(0, 0.9), poseAt(0, 0.8, 90.0), poseAt(0, 0.7, 45.0)};
+  EXPECT_EQ(withoutDuplicates(poses), (Indices{0, 1, 2}));  // the bracket has no symmetry
+  for (auto& pose : poses) pose.part = 1;
+  EXPECT_EQ(withoutDuplicates(poses), (Indices{0, 2}));
+}
+
+/// kSamePlace of suppression.cpp, of the grain in outlineOf().
+constexpr double kReach_mm = 7.0;
+
+TEST_F(Suppression, OutscoredIsOnlyByAClearLead) {
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.70), poseAt(1, 0.83)}), Indices{1});
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.70), poseAt(1, 0.81)}), (Indices{0, 1}));
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.83), poseAt(1, 0.70)}), Indices{0});
+}
+
+TEST_F(Suppression, TheLeadMustBeMoreThanTheMargin) {
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), poseAt(1, 0.5 + 0.12)}), (Indices{0, 1}));
+}
+
+TEST_F(Suppression, OutscoredIsOnlyAtTheSamePlace) {
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), poseAt(0.95 * kReach_mm, 0.9)}), Indices{1});
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), poseAt(1.05 * kReach_mm, 0.9)}), (Indices{0, 1}));
+}
+
+TEST_F(Suppression, ThePlaceIsThatOfTheOutlinesCentre) {
+  // The bracket's origin lies off its centre (7, -4): turned about the origin, the centre moves by
+  // 16 mm; turned about the centre, it stays and the origin moves as far.
+  const PoseHypothesis still = poseAt(0, 0.5);
+  EXPECT_EQ(withoutOutscored({still, poseAt(0, 0.9, 180.0)}), (Indices{0, 1}));
+  PoseHypothesis about_centre = poseAt(14, 0.9, 180.0);
+  about_centre.T_camera_part.translation().y() += 8e-3;
+  EXPECT_EQ(withoutOutscored({still, about_centre}), Indices{1});
+}
+
+TEST_F(Suppression, ThePlaceIsAcrossTheLineOfSight) {
+  // Twice as far away on the same ray: a copy of another size at the same place in the picture.
+  PoseHypothesis far = poseAt(0, 0.9);
+  const Eigen::Vector3d centre = far.T_camera_part * centreOf(*bracket_, far.face).translation();
+  far.T_camera_part.translation() += centre;
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), far}), Indices{1});
+  // Beside the ray, the grain is seen at the distance of the pose that would go.
+  PoseHypothesis beside = far;
+  beside.T_camera_part.translation().x() += 1.8e-3 * kReach_mm;
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), beside}), Indices{1});
+  beside.inlier_score = 0.5;
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.9), beside}), (Indices{0, 1}));
+}
+
+TEST_F(Suppression, AnotherPartOutscoresNone) {
+  std::vector<PoseHypothesis> poses = {poseAt(0, 0.5), poseAt(0, 0.9)};
+  poses[1].part = 1;
+  EXPECT_EQ(withoutOutscored(poses), (Indices{0, 1}));
+}
+
+TEST_F(Suppression, TheGrainIsThatOfThePart) {
+  outlines_[0].grain *= 2.0;
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), poseAt(1.5 * kReach_mm, 0.9)}), Indices{1});
+}
+
+TEST_F(Suppression, TheOutscoredKeepTheirOrder) {
+  EXPECT_EQ(
+      withoutOutscored({poseAt(-100, 0.5), poseAt(0, 0.6), poseAt(1, 0.9), poseAt(100, 0.95)}),
+      (Indices{0, 2, 3}));
+}
+
+TEST(KeepOnly, LeavesThoseInTheirOrder) {
+  std::vector<std::string> all = {"a", "b", "c", "d"};
+  keepOnly({3, 1}, &all);
+  EXPECT_EQ(all, (std::vector<std::string>{"d", "b"}));
+  keepOnly({}, &all);
+  EXPECT_TRUE(all.empty());
+}
+
+}  // namespace
+}  // namespace planar_bin_picking
