@@ -95,7 +95,8 @@ RefinedPose withOwnOffset(const PoseHypothesis& pose, const PartOutline& outline
   copies.covariance << std::pow(of_face.offset_spread / r, 2);
   const Estimate<7> both = fuse(seen, copies);
   // The mean of the copies is not known exactly either, and moves all of them alike.
-  const double copies_share = both.covariance(6, 6) / copies.covariance(0, 0);
+  const double copies_share =
+      own_sigma * own_sigma / (own_sigma * own_sigma + copies.covariance(0, 0));
   const double mean_sigma = copies_share * of_face.offset_sigma / r;
   const double floor = kFloorPx * image.T_camera_centre.translation().z() / (focal_px * r);
 

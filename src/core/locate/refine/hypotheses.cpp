@@ -200,7 +200,7 @@ void decideTilts(const Aligner& aligner, const std::vector<std::shared_ptr<const
     const double variance = 0.5 * (refined[i].covariance(3, 3) + refined[i].covariance(4, 4));
     const double prior = logTiltDensity(*scene, normalOf(chosen.pose), variance) -
                          logTiltDensity(*scene, normalOf(*chosen.other_tilt), variance);
-    if (chosen.lead + prior >= 0.0) continue;
+    if (!(chosen.lead + prior < 0.0)) continue;  // what is no number decides nothing
     std::swap(chosen.pose, *chosen.other_tilt);
     aligner.alignNarrow(&chosen.pose);
   }
