@@ -18,8 +18,6 @@ namespace planar_bin_picking {
 namespace {
 
 const char kName[] = "calibrate_samples";
-/// Edges wider than this say that the camera was not in focus, or moved; pixels.
-constexpr double kBlurMax = 5.0;
 
 struct Options {
   std::string board, mode, samples, camera_info, output;
@@ -91,7 +89,7 @@ Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mount
                                std::to_string(seen.problem.width) + " x " +
                                std::to_string(seen.problem.height) + "; all must be of one camera");
     }
-    const BoardObservation observation = findBoard(image, board, kBlurMax);
+    const BoardObservation observation = findBoard(image, board, kBlurMaxPx);
     if (observation.status == BoardObservation::Status::kFound) {
       seen.problem.observations.push_back({sample.name, sample.T_base_flange, observation.corners});
     } else {

@@ -4,6 +4,7 @@
 
 #include "calibrator/calibrator_checks.h"
 #include "shared/convert.h"
+#include "shared/convert_camera.h"
 
 #include <algorithm>
 #include <utility>

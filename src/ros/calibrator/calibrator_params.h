@@ -4,6 +4,7 @@
 
 /// Everything below `~calibrator`; see config/calibrator.yaml. Defaults stand in the structs alone.
 
+#include "planar_bin_picking/calibrate/board/checkerboard.h"
 #include "planar_bin_picking/calibrate/calibration_run.h"
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -27,10 +28,10 @@ struct CalibratorParams {
   double image_timeout = 5.0;  ///< s, wall time
   double tf_timeout = 0.5;     ///< s, wall time: how much later than the image its tf may come in
   double settle = 0.3;         ///< s between standstill and the picture
-  double blur_max_px = 4.0;    ///< edges wider than this: out of focus or moving
-  double reached_mm = 3.0;     ///< target, robot's answer and tf may differ by this, and
-  double reached_deg = 0.5;    ///< this; more ends the run
-  bool step = false;           ///< ~next is asked for before each move
+  double blur_max_px = planar_bin_picking::kBlurMaxPx;  ///< wider edges: out of focus or moving
+  double reached_mm = 3.0;          ///< target, robot's answer and tf may differ by this, and
+  double reached_deg = 0.5;         ///< this; more ends the run
+  bool step = false;                ///< ~next is asked for before each move
   bool confirm_first_large = true;  ///< and before the first move that is no small one
   planar_bin_picking::HandEyeParams solver;
   planar_bin_picking::RunParams run;

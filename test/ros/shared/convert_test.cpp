@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "shared/convert.h"
 
+#include "planar_bin_picking/image/camera.h"
+
 #include "shared/refusal.h"
 #include "support/matchers.h"
 

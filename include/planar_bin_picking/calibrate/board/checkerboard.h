@@ -27,6 +27,9 @@ struct BoardObservation {
   double square_px = 0.0;  ///< the shortest side of a square in the image
 };
 
+/// Edges of the squares wider than this, pixels, say that the camera was not in focus, or moved.
+inline constexpr double kBlurMaxPx = 4.0;
+
 /// Finds the board by OpenCV's sector-based detector, and where that one fails, by its classic one
 /// (which comes second since it may take minutes where there is only part of a board), and by the
 /// first again in a finer image; then refines the corners to sub-pixels in a window that fits the
