@@ -67,9 +67,9 @@ target_link_libraries(my_client ${catkin_LIBRARIES})
 
 # Uses both libraries and a service.
 CLIENT_SOURCE = """#include <planar_bin_picking/LocatePart.h>
-#include <planar_bin_picking/calibration_file.h>
-#include <planar_bin_picking/locator.h>
-#include <planar_bin_picking/part_file.h>
+#include <planar_bin_picking/calibrate/calibration_file.h>
+#include <planar_bin_picking/locate/locator.h>
+#include <planar_bin_picking/part/part_file.h>
 #include <iostream>
 int main(int, char** argv) {
   const planar_bin_picking::PartModel part(planar_bin_picking::loadPartFile(argv[1]));
