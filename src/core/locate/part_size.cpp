@@ -21,15 +21,13 @@ Eigen::Vector2d viewOf(const Camera& camera) {
           camera.undistort({m.cx, bottom}).y() - camera.undistort({m.cx, -0.5}).y()};
 }
 
-/// Whether a rectangle lies inside the view at some turn. A tenth of a part may stick out, no more:
-/// beyond, it is not searched for (hough.cpp).
+/// Whether enough of a rectangle lies inside the view at some turn.
 bool fits(const Extent& extent, const Eigen::Vector2d& view) {
-  constexpr double kInside = 0.9;
-  constexpr int kTurns = 90;
+  constexpr int kTurns = 90;  // of a quarter turn: steps of one degree
   for (int i = 0; i <= kTurns; ++i) {
     const double turn = 0.5 * EIGEN_PI * i / kTurns, c = std::cos(turn), s = std::sin(turn);
-    if (kInside * (extent.length * c + extent.width * s) <= view.x() &&
-        kInside * (extent.length * s + extent.width * c) <= view.y()) {
+    if (kInViewShare * (extent.length * c + extent.width * s) <= view.x() &&
+        kInViewShare * (extent.length * s + extent.width * c) <= view.y()) {
       return true;
     }
   }

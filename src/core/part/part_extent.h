@@ -33,6 +33,9 @@ inline constexpr double kLeastLengthPx = 56.0;
 /// The edges of either side are sought within 4 pixels: of a narrower part each finds the other.
 inline constexpr double kLeastWidthPx = 8.0;
 
+/// A tenth of a part may stick out of the image, no more: beyond, it is not searched for.
+inline constexpr double kInViewShare = 0.9;
+
 /// Metres from the camera beyond which a part has fewer pixels than that.
 /// @param focal_px  the lesser of the two focal lengths
 inline double farthestSeen(const Extent& extent, double focal_px) {

@@ -20,6 +20,20 @@ namespace {
 
 constexpr int kYawSectors = 12;  // per tile, the best of each sector and face is kept
 
+/// Foreshortening of the tilted shapes: each is this times the last. A view lies at most a tenth
+/// from the nearest shape, 1.4 cells at a part's rim and less elsewhere.
+constexpr double kShapeRatio = 0.8, kShapeReach = 0.1;
+/// Azimuths of a tilted shape, 30 degrees apart or, where it is foreshortened more, 22.
+constexpr int kAzimuths = 6, kAzimuthsSteep = 8;
+constexpr double kSteep = 0.7;  // foreshortening, that is a tilt of 45 degrees
+/// A shape stands for tilts some degrees off, so a candidate may lie beyond the limit and its part
+/// within.
+constexpr double kTiltSlackDeg = 6.0;
+/// The two planes of a foreshortened view refine into each other where their normals are nearer
+/// than this (6 degrees).
+constexpr double kTiltsApart = 0.1;
+constexpr double kHalfCellLeast = 1.0;  // field pixels: the field holds nothing finer
+
 Eigen::Matrix2d turn(double angle) { return Eigen::Rotation2Dd(angle).toRotationMatrix(); }
 
 /// Foreshortening f of the image-plane affine map and the azimuth of the axis that keeps its
@@ -47,8 +61,8 @@ struct View {
 std::vector<Shape> makeShapes(double tilt_max_deg) {
   std::vector<Shape> out = {{1.0, 0.0}};
   const double f_min = std::cos(tilt_max_deg * M_PI / 180.0);
-  for (double f = 0.8; f > f_min - 0.1; f *= 0.8) {
-    const int azimuths = f > 0.7 ? 6 : 8;
+  for (double f = kShapeRatio; f > f_min - kShapeReach; f *= kShapeRatio) {
+    const int azimuths = f > kSteep ? kAzimuths : kAzimuthsSteep;
     for (int k = 0; k < azimuths; ++k) out.push_back({f, k * M_PI / azimuths});
   }
   return out;
@@ -59,8 +73,7 @@ int stepsOver(double span, double step) {
 }
 
 /// By how much cells and yaw steps are finer than those along the part's radius: where edges lie
-/// near to one another (bars, perforated plates), each vote would be borne out by the next
-/// edge.
+/// near to one another (narrow webs, perforated plates), the next edge would confirm each vote.
 double finerBy(const PartModel& part, const HoughParams& params) {
   constexpr double kAcross = 3.5;  // cells from one edge to the next; most parts have as many
   constexpr double kMost = 3.0;    // the search takes the third power as long
@@ -127,8 +140,9 @@ struct Layout {
 /// What a search would allocate is known before: parameters at the ends of their ranges multiply.
 void checkMemory(const PartModel& part, const HoughParams& params, double views, double plane_bytes,
                  std::size_t points) {
-  constexpr double kMost = 1e9;
-  constexpr double kPerView = sizeof(View) + sizeof(Layout) + 32.0;  // and its heap block's head
+  constexpr double kMost = 1e9;        // bytes: what a cell's computer can spare
+  constexpr double kHeapBlock = 32.0;  // bytes that the heap keeps for each vector
+  constexpr double kPerView = sizeof(View) + sizeof(Layout) + kHeapBlock;
   const double bytes = plane_bytes + views * (kPerView + points * sizeof(std::int32_t));
   if (bytes <= kMost) return;
   std::ostringstream text;
@@ -157,8 +171,7 @@ Layout layOut(const std::vector<OutlinePoint>& points, const PartModel& part, co
         planes.offset(directionBin(n.x(), n.y()), static_cast<int>(std::floor(q.x() + 0.5)),
                       static_cast<int>(std::floor(q.y() + 0.5)))));
   }
-  // A tenth of the part may stick out of the image, no more.
-  const Eigen::Vector2d lo = box.min() * 0.5 * 0.9, hi = box.max() * 0.5 * 0.9;
+  const Eigen::Vector2d lo = 0.5 * kInViewShare * box.min(), hi = 0.5 * kInViewShare * box.max();
   out.col0 = std::max(0, static_cast<int>(std::ceil(-lo.x())));
   out.row0 = std::max(0, static_cast<int>(std::ceil(-lo.y())));
   out.col1 = std::min(planes.cols, static_cast<int>(std::floor(planes.cols - hi.x())));
@@ -183,7 +196,7 @@ class TileRow {
   void add(const Bin& found, int sector) {
     const int column = found.col / tile_;
     bins_[static_cast<std::size_t>(sector) * columns_ + column] = found;
-    thresholds_[sector].raise(column * tile_, tile_, found.votes);
+    thresholds_[sector].set(column * tile_, tile_, found.votes);
   }
   const std::vector<Bin>& bins() const { return bins_; }
 
@@ -243,8 +256,9 @@ void addCandidates(const Bin& bin, const View& view, const HoughTask& task,
   const auto poses = posesFromAffine(view.affine(), p);
   for (int k = 0; k < 2; ++k) {
     const double tilt = std::acos(std::min(1.0, std::abs(poses[k].linear()(2, 2))));
-    if (tilt > (params.tilt_max_deg + 6.0) * M_PI / 180.0) continue;
-    if (k == 1 && (poses[0].linear().col(2) - poses[1].linear().col(2)).norm() < 0.1) continue;
+    if (tilt > (params.tilt_max_deg + kTiltSlackDeg) * M_PI / 180.0) continue;
+    const double apart = (poses[0].linear().col(2) - poses[1].linear().col(2)).norm();
+    if (k == 1 && apart < kTiltsApart) continue;
     Candidate c;
     c.part = task.part_index;
     c.face = view.face;
@@ -264,7 +278,8 @@ std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& tas
   const double distance = std::sqrt(task.distance_min * task.distance_max);
   const double radius_px = field.focal * task.part->radius();
   const double finer = finerBy(*task.part, params);
-  const double half = std::max(1.0, 0.5 * radius_px / distance / (finer * params.radius_cells));
+  const double half =
+      std::max(kHalfCellLeast, 0.5 * radius_px / distance / (finer * params.radius_cells));
   VotePlanes planes = sizePlanes(field, half, radius_px / task.distance_min);
   const auto points = rasterPoints(*task.part, params.raster_points);
   const ViewGrid grid(task, params, finer);
@@ -283,7 +298,7 @@ std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& tas
       static_cast<int>(std::lround(params.tile_cells * grainOf(*task.part) / task.part->radius())));
   std::vector<Candidate> out;
   for (const Bin& bin : bestBins(planes, views, layouts, floor, tile, threads)) {
-    // The weaker half of a pair goes with the limit, too.
+    // A bin gives up to two candidates, and the limit holds for both.
     if (out.size() + 2 > static_cast<std::size_t>(params.max_candidates)) break;
     addCandidates(bin, views[bin.view], task, params, field, planes, most, &out);
   }

@@ -48,9 +48,9 @@ inline constexpr int kMaxPoints = 85;  // whose votes fit into a byte
 class PruningThresholds {
  public:
   PruningThresholds(int columns, int floor) : best_(columns), first_(columns) {
-    raise(0, columns, std::max(0, floor - 1));
+    set(0, columns, std::max(0, floor - 1));
   }
-  void raise(int column, int count, int votes);
+  void set(int column, int count, int votes);
   std::uint8_t best(int column) const { return best_[column]; }
 
  private:
