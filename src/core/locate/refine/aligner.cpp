@@ -14,20 +14,26 @@
 namespace planar_bin_picking {
 namespace {
 
+/// Reach in pixels, twice what a wide alignment leaves; and the sigma of a sharp edge.
 constexpr SearchProfile kNarrow{4, true, 0.8};
-/// Tukey's widths of the alignments, pixels; of the wide one also in its reach.
+/// Tukey's widths, pixels: below the reach, so that what lies at its end weighs little.
 constexpr std::array<double, 2> kNarrowTukey{3.0, 2.0};
+/// The same for the wide alignment and the search: in shares of the reach, and at last the reach of
+/// the narrow alignment, pixels.
 constexpr double kWideTukeyMiddle = 0.7, kWideTukeyLast = 4.0, kSearchTukeyLast = 0.5;
-constexpr double kWideSigma = 1.2;
+constexpr double kWideSigma = 1.2;  // pixels: noise counts less than exactness
 /// What the field leaves: this share of the part's radius, and pixels, between these.
 constexpr double kWideShare = 0.03;
 constexpr int kWideLeast = 6, kWideMost = 14;
 /// Pixels off the outline from which on an edge is no inlier: what a wide alignment leaves.
 constexpr double kInlierReachPx = 2.0;
-/// In the field, its reach at the end and a cell's half more.
+/// In the field: a share of its reach at the end, since candidates are compared before they are
+/// aligned to sub-pixel edges; and field pixels, to compare poses that are.
 constexpr double kFieldInlierReach = 1.5, kFieldCompareReachPx = 2.0;
 
-/// Starts of the search: relative distance, turns about the part's x and y.
+/// Starts of the search: relative distance, half a step of the vote (hough/distance_step) and a
+/// whole one; turns about the part's x and y, rad: where it lies at 15 to 30 degrees these move its
+/// rim as far.
 constexpr std::array<std::array<double, 3>, 8> kSearch = {{{0.03, 0, 0},
                                                            {-0.03, 0, 0},
                                                            {0.06, 0, 0},

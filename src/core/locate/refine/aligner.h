@@ -22,9 +22,9 @@ class Aligner {
   /// narrow reach.
   void alignWide(PoseHypothesis* pose) const;
   void alignNarrow(PoseHypothesis* pose) const;
-  /// Restarts about an aligned pose, since a neighbour's edge or a shadow may hold a side of the
-  /// outline and with it the pose: farther and nearer ([1] Sec. III-E goes farther only), tilted to
-  /// all sides. Does nothing where that was in vain before.
+  /// Restarts about an aligned pose, since one side of the outline may have been aligned to a
+  /// neighbour's edge or a shadow: farther and nearer ([1] Sec. III-E goes farther only), tilted to
+  /// all sides. Does nothing where the last search found nothing better.
   void searchAround(PoseHypothesis* pose) const;
 
   /// Of these points of the outline, in the image and in the field.

@@ -13,12 +13,17 @@ namespace {
 /// What is known of a part's mean offset before anything is seen: cut edges of sheets are bevelled
 /// or rounded by tenths of a millimetre.
 constexpr double kMeanSigma = 0.15e-3;
-/// Poses so well aligned tell where edges lie; of others a side may hang on a neighbour's edge.
+/// Inlier scores from which on poses tell where edges lie; of others a side may have been aligned
+/// to a neighbour's edge.
 constexpr double kWellAligned = 0.7;
-/// Spread of the copies where too few say it, and what it is at least.
+/// Spread of the copies, metres, where fewer than these tell it, and what it is at least: a third
+/// and a seventh of the above, the tools that cut the copies being the same.
 constexpr double kSpreadUnknown = 0.05e-3, kSpreadLeast = 0.02e-3;
 constexpr std::size_t kFew = 4;
-/// A fiftieth of a pixel over the whole outline is never beaten, whatever the edges say.
+/// Radii of the part: the standard deviation of an offset that the image does not tell.
+constexpr double kOpen = 1.0;
+/// Standard deviation of a pose in pixels at least, whatever the edges say: what lens model and
+/// interpolation leave of a sub-pixel edge's error over a whole outline.
 constexpr double kFloorPx = 0.02;
 
 struct Measured {
@@ -84,7 +89,6 @@ RefinedPose withOwnOffset(const PoseHypothesis& pose, const PartOutline& outline
   Eigen::Matrix<double, 7, 1> follows;
   follows << image.per_offset, 1.0;
   const bool told = std::isfinite(image.offset_sigma);
-  constexpr double kOpen = 1.0;  // a radius: where the image cannot tell
   const double own_sigma = told ? image.offset_sigma : kOpen;
   seen.mean = follows * (told ? image.offset : 0.0);
   seen.covariance = own_sigma * own_sigma * follows * follows.transpose();

@@ -10,10 +10,12 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr double kReachDecay = 0.85;  // per step: from a part's tenth to two pixels in a dozen
+constexpr double kReachDecay = 0.85;  // per step: from a tenth of a part to two pixels in a dozen
 constexpr double kTiltWeight = 20.0;  // per point: 10 degrees beyond the limit are one radius off
-constexpr double kStepMost = 0.3;     // radii or radians
-constexpr int kBinsRenewed = 3;       // evaluations for which a point's direction bin is kept
+constexpr double kStepMost = 0.3;     // radii or radians: beyond, the points see other edges
+constexpr int kBinsRenewed = 3;       // evaluations for which a point's direction bin is kept: time
+constexpr double kDepthLeast = 1e-6;  // metres: nearer, a point is not in front of the camera
+constexpr double kSineLeast = 1e-6;   // of a tilt, against a division by zero
 
 /// A point's place in the field: its direction bin is renewed only now and then.
 struct Seen {
@@ -26,7 +28,7 @@ bool see(const Field& field, const Eigen::Isometry3d& T, double radius, const Lo
          Seen* out) {
   const Eigen::Vector3d q =
       T.translation() + radius * (p.x * T.linear().col(0) + p.y * T.linear().col(1));
-  if (q.z() <= 1e-6) return false;
+  if (q.z() <= kDepthLeast) return false;
   out->inv_z = 1.0 / q.z();
   out->iu = q.x() * out->inv_z;
   out->iv = q.y() * out->inv_z;
@@ -55,8 +57,8 @@ Sample sample(const Field& field, const Seen& s, int bin) {
           k * ((1 - b) * (p1 - p0) + b * (q1 - q0)), k * ((1 - a) * (q0 - p0) + a * (q1 - p1))};
 }
 
-/// Beyond the limit the tilt is pulled back (Eq. 7, as a residual: its exponential would make the
-/// normal equations blow up).
+/// Penalty for a tilt beyond the limit: Eq. (7) of [1], as a residual, since with its exponential
+/// the normal equations would overflow.
 void addTiltPenalty(const Eigen::Isometry3d& T, double limit, double weight, NormalEquations* eq) {
   const double c = std::min(1.0, std::abs(T.linear()(2, 2)));
   const double tilt = std::acos(c);
@@ -64,7 +66,7 @@ void addTiltPenalty(const Eigen::Isometry3d& T, double limit, double weight, Nor
   // d tilt / d rotation about local x, y: the normal is local z, and z_camera in local axes is
   // row 2.
   const Eigen::Vector3d z = T.linear().row(2).transpose() * (T.linear()(2, 2) > 0 ? 1.0 : -1.0);
-  const double s = std::max(1e-6, std::sqrt(z.x() * z.x() + z.y() * z.y()));
+  const double s = std::max(kSineLeast, std::sqrt(z.x() * z.x() + z.y() * z.y()));
   Vector6d J = Vector6d::Zero();
   J(3) = z.y() / s;
   J(4) = -z.x() / s;

@@ -16,25 +16,28 @@ namespace {
 
 /// Standard deviations of the differences that chance makes between two hypotheses, all as mean
 /// scores of 0..1: over the whole outline, whose points mostly find the same edges; over the walls'
-/// lower edges, often lost in a shadow; over the print.
+/// lower edges, often lost in a shadow; over the print, of which chance confirms 0.1 to 0.3
+/// (print_evidence.h).
 constexpr double kOutlineSigma = 0.015, kWallSigma = 0.075, kPrintSigma = 0.1;
-/// Share of the print that is borne out from which on the front is likelier up than the back.
+/// Share of the print that is confirmed from which on the front is likelier up than the back:
+/// halfway from what chance gives to what a print in view has.
 constexpr double kPrintEven = 0.5;
 
-/// Normals closer than this (4 degrees) refine into each other ...
+/// Two starts whose normals are nearer than this (4 degrees) are aligned to the same pose ...
 constexpr double kTiltsApart = 0.07;
-/// ... and closer than this are one once aligned.
+/// ... and two aligned poses whose normals are nearer than this (3 degrees) are one pose.
 constexpr double kTiltsAligned = 0.05;
-/// A start only: it may be aligned to within the limit.
+/// The start may be this far beyond the tilt limit: the alignment may turn it to within.
 constexpr double kTiltSlackDeg = 10.0;
-/// Inlier scores farther behind are not made up for by the narrow alignment.
+/// The narrow alignment raises an inlier score by less than this.
 constexpr double kHopeless = 0.1;
-/// Where few points differ, a tooth's shadow outweighs them; but not the whole outline.
+/// Where two poses differ in few points, the shadow of one tooth may outweigh these. So the inlier
+/// score of the whole outline may not fall by more than this.
 constexpr double kOutlineWorse = 0.02;
-/// In the field, with a few points: what an alignment does not make up for.
+/// The same for the inlier scores in the field, of a few points each: alignment gains less.
 constexpr double kHopelessInField = -0.3;
-constexpr std::size_t kMostAligned = 8;  // near-symmetries of one pose, those of the best field
-constexpr std::size_t kEnoughPoints = 64;
+constexpr std::size_t kMostAligned = 8;  // near-symmetries of one pose, the best in the field: time
+constexpr std::size_t kEnoughPoints = 64;  // to compare two poses by: time
 
 /// The pose as the near-symmetry of the part; what the image said was about the pose itself.
 PoseHypothesis moved(const PoseHypothesis& pose, const NearSymmetry& other) {
@@ -58,7 +61,7 @@ Eigen::Vector3d normalOf(const PoseHypothesis& pose) {
   return planar_bin_picking::normalOf(pose.T_camera_part, pose.face);
 }
 
-/// Log odds for the face, of a printed part.
+/// Log odds of the face that is up, by the print.
 double printOdds(const Aligner& aligner, const PoseHypothesis& pose) {
   if (pose.face == Face::kBack || aligner.outlineOf(pose).print.empty()) return 0.0;
   return (aligner.printScoreOf(pose) - kPrintEven) / kPrintSigma;
@@ -108,8 +111,7 @@ struct Rival {
   const NearSymmetry* other;
 };
 
-/// Those worth an alignment: what tells them apart decides first in the field, where a few points
-/// cost little.
+/// Those worth an alignment, by the points at which they differ. In the field these cost little.
 std::vector<Rival> rivalsOf(const Aligner& aligner, const PoseHypothesis& pose) {
   const PartModel& part = *aligner.outlineOf(pose).part;
   std::vector<Rival> rivals;

@@ -26,8 +26,8 @@ struct ChosenPose {
 ChosenPose chooseHypothesis(const Aligner& aligner, const RefineParams& params,
                             const PoseHypothesis& pose);
 
-/// Parts rest on one another and on one floor: the way that the others lie weighs in on the sign of
-/// each tilt. Poses that change are aligned anew.
+/// Parts rest on one another and on one floor, so the plane of the other parts is evidence for the
+/// sign of each tilt. Poses that change are aligned anew.
 void decideTilts(const Aligner& aligner, const std::vector<std::shared_ptr<const PartModel>>& parts,
                  std::vector<ChosenPose>* poses);
 

@@ -13,20 +13,24 @@ namespace planar_bin_picking {
 namespace {
 
 /// Where a side wall is in view and narrow, its lower edge may be the stronger one, and nothing
-/// tells which of the two was found: the rest of the outline should hold the pose.
+/// tells which of the two was found: the rest of the outline should hold the pose. Narrower than
+/// half a pixel both are one edge; two pixels beyond the reach the lower one is not found.
 constexpr double kWallUnseenPx = 0.5, kWallBeyondReachPx = 2.0, kTrustNarrowWall = 0.3;
 
 /// A step within one association moves no point farther than this many radii or radians: beyond,
 /// the projection is no longer linear and the edges found are others.
 constexpr double kStepMost = 0.15;
-constexpr int kEvaluations = 6;
-constexpr double kSettled = 1e-4;  // of the cost per point
+constexpr int kEvaluations = 6;      // of the cost; the edges found are associated anew after them
+constexpr double kGainLeast = 1e-4;  // of the cost per point: a smaller gain ends the steps
 
-/// Neighbouring points err alike; this many clusters along the outline err by themselves.
+/// Neighbouring points err alike; this many clusters along the outline err independently: enough to
+/// estimate six unknowns, and each is long beside a shadow or a nick.
 constexpr int kClusters = 24;
+constexpr int kUnknowns = 6;  // of a pose
 /// What residuals cannot tell: light, bevel and shadow move the edges of a whole side alike, by
-/// about this much. Most of it is what makes the edge offset, and no error of it.
-constexpr int kSides = 8;
+/// about this much (with it the errors of the scenes fit their covariances, test/benchmark). Most
+/// of it is what makes the edge offset, and no error of it.
+constexpr int kSides = 8;  // pieces of the outline that err alike
 constexpr double kBiasPx = 0.3, kOffsetBiasPx = 0.1;
 /// What is known without any edge, that the pose is within a radius and a radian, as so many edges
 /// with an error of a pixel.
@@ -73,7 +77,7 @@ Weighted weighted(const Row& row, const Vector6d& xi, double tukey_px) {
   return {r, e > 0.0 ? row.trust * e * e : 0.0};
 }
 
-/// The pose moves by pixels within one association, so the projection counts as linear there.
+/// Within one association the pose moves by pixels, so the projection is taken to be linear.
 NormalEquations normalEquations(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
   NormalEquations out;
   const double inv2 = 1.0 / (tukey_px * tukey_px);
@@ -126,8 +130,8 @@ Matrix6d covarianceOf(const std::vector<Row>& rows, const Vector6d& xi, double t
     }
   }
   // Six unknowns follow the clusters; of six or fewer nothing is left to tell the error by.
-  const double left = std::max(1, clusters - 6);
-  return H_inverse * squares * H_inverse * (std::max(7, clusters) / left);
+  const double left = std::max(1, clusters - kUnknowns);
+  return H_inverse * squares * H_inverse * (std::max(kUnknowns + 1, clusters) / left);
 }
 
 /// Pose and edge offset together, by the final weights.
@@ -171,7 +175,7 @@ ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
   LevenbergMarquardtParams params;
   params.evaluations = kEvaluations;
   params.width = params.width_end = tukey_px;
-  params.settled = kSettled * static_cast<double>(rows.size());
+  params.gain_least = kGainLeast * static_cast<double>(rows.size());
   const Vector6d xi = minimise(
       Vector6d(Vector6d::Zero()), params,
       [&](const Vector6d& at, int, double width) { return normalEquations(rows, at, width); },

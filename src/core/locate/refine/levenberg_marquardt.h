@@ -32,7 +32,7 @@ struct LevenbergMarquardtParams {
   int evaluations = 6;
   double width = 1.0, width_end = 1.0;  ///< of the robust kernel: it falls by ...
   double width_decay = 1.0;             ///< ... this factor per step, down to its end
-  double settled = 0.0;                 ///< ends where a step lowers the cost by less
+  double gain_least = 0.0;              ///< ends where a step lowers the cost by less
 };
 
 /// @param evaluate  (state, index of the evaluation, width) -> NormalEquations there
@@ -41,10 +41,13 @@ struct LevenbergMarquardtParams {
 template <class State, class Evaluate, class Advance>
 State minimise(const State& start, const LevenbergMarquardtParams& params, Evaluate&& evaluate,
                Advance&& advance) {
+  // The usual damping: little at first, less after a step that lowers the cost, ten times as much
+  // after one that does not.
   constexpr double kLambda = 1e-3, kLambdaLeast = 1e-4, kLambdaMost = 1e3;
   constexpr double kBetter = 0.3, kWorse = 10.0;
-  // Of the mean curvature: a turn about a slender part's axis is so weakly held that undamped steps
-  // leap. The last one is for what nothing holds.
+  // Share of the damping that all directions get, of the mean curvature: a turn about a slender
+  // part's axis is so weakly determined that undamped steps leap. The last one is for what nothing
+  // determines.
   constexpr double kIsotropic = 0.02, kNothing = 1e-9;
   State best = start, next = start;
   NormalEquations at_best;
@@ -58,7 +61,7 @@ State minimise(const State& start, const LevenbergMarquardtParams& params, Evalu
       best = next;
       at_best = here;
       lambda = std::max(kLambdaLeast, kBetter * lambda);
-      if (comparable && gain < params.settled) break;
+      if (comparable && gain < params.gain_least) break;
     } else {
       lambda = std::min(kLambdaMost, kWorse * lambda);
     }

@@ -21,7 +21,7 @@ struct PoseHypothesis {
   Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
   double inlier_score = 0.0;  ///< see inlier_score.h; in the field of fieldInlierScore
   ImagePose image;            ///< of this very pose; the default until it is aligned in the image
-  bool searched = false;      ///< about this very pose, in vain
+  bool searched = false;      ///< a search about this very pose found nothing better
 };
 
 /// Points of the outline where the edges of one face are seen.

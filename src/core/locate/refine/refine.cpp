@@ -12,13 +12,14 @@
 namespace planar_bin_picking {
 namespace {
 
-/// Radii within which two poses are one: before and after the alignment in the image.
+/// Radii within which two poses are one: what the alignment in the field leaves, and that in the
+/// image (4 and 2 pixels for a radius of 100).
 constexpr double kSameInField = 0.04, kSameInImage = 0.02;
 constexpr int kSearchRounds = 2;  // the second starts at what the first has found
-constexpr double kAligned = 0.7;  // inlier scores above tell where edges lie
+constexpr double kAligned = 0.7;  // inlier scores above tell where edges lie (edge_offset.cpp)
 
-/// Whether enough edges hold the pose, and the camera can see the face that it says is up.
-bool isHeld(const PoseHypothesis& pose, const PartOutline& outline) {
+/// Whether enough edges determine the pose, and the camera can see the face that it says is up.
+bool isDetermined(const PoseHypothesis& pose, const PartOutline& outline) {
   return pose.image.status == AlignmentStatus::kAligned &&
          showsFace(*outline.part, pose.T_camera_part, pose.face);
 }
@@ -76,7 +77,7 @@ std::vector<RefinedPose> refineCandidates(
   std::vector<RefinedPose> out;
   for (const auto& p : poses) {
     const PartOutline& outline = aligner.outlineOf(p);
-    if (isHeld(p, outline)) out.push_back(withOwnOffset(p, outline, aligner.focal()));
+    if (isDetermined(p, outline)) out.push_back(withOwnOffset(p, outline, aligner.focal()));
   }
   return out;
 }

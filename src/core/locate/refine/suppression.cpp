@@ -8,6 +8,16 @@
 #include <numeric>
 
 namespace planar_bin_picking {
+namespace {
+
+/// Share of the part's grain: centres nearer than this cannot be of two parts, whatever covers
+/// them.
+constexpr double kSamePlace = 0.35;
+/// Of the inlier score: what an alignment that is still to come, or a search about the pose, may
+/// gain.
+constexpr double kClearly = 0.12;
+
+}  // namespace
 
 std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& poses,
                                            const std::vector<PartOutline>& outlines,
@@ -38,10 +48,6 @@ std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& po
 
 std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& poses,
                                           const std::vector<PartOutline>& outlines) {
-  // Of the part's grain: centres nearer than this cannot be of two parts, whatever covers them.
-  constexpr double kSamePlace = 0.35;
-  // What an alignment that is still to come, or a search about the pose, may make up for.
-  constexpr double kClearly = 0.12;
   std::vector<Eigen::Vector2d> seen;
   std::vector<double> reach;
   for (const auto& p : poses) {

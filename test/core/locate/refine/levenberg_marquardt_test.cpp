@@ -65,7 +65,7 @@ TEST(LevenbergMarquardt, EndsWhereNothingIsGainedAnyMore) {
   LevenbergMarquardtParams params;
   params.evaluations = 30;
   params.width = params.width_end = 20.0;
-  params.settled = 1e-6;
+  params.gain_least = 1e-6;
   int evaluations = 0;
   EXPECT_LT((solve(problemWith(0), params, &evaluations) - kTruth).norm(), 1e-2);
   EXPECT_LT(evaluations, 12);
