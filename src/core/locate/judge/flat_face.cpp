@@ -13,10 +13,21 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr int kSamples = FaceGrid::kSamples;
+constexpr float kOwn = 3.0f;  // samples about a line within which edges are its own
+constexpr int kHalf = 1;      // samples to either side that a level is the mean of
+
+/// Of an edge that is no line of the drawing: it is clear where the change is as large as this
+/// share of the median on the part's own lines, and at least so many grey levels per sample.
+constexpr double kAsClear = 0.7, kLeast = 4.0;
+constexpr float kOwnLine = 1.0f;   // samples off the drawing's lines: on them
+constexpr double kSmallest = 6.0;  // samples across, of what the edge encloses: less is a speck
+/// Of a clear change: a hole shows the same level as a drawn hole to within this.
+constexpr double kAlike = 1.0;
+/// Enclosed area over that of the rectangle about it: a circle has 0.79, a scratch next to nothing.
+constexpr double kRound = 0.65;
 
 /// The face in samples, without covered cells and the part's own lines.
 cv::Mat_<std::uint8_t> openFace(const FaceGrid& grid, const std::vector<int>& covered) {
-  constexpr float kOwn = 3.0f;  // samples about a line within which edges are its own
   cv::Mat_<std::uint8_t> open(grid.fromOutline().size(), std::uint8_t{0});
   for (std::size_t i = 0; i < grid.cells().size(); ++i) {
     if (std::binary_search(covered.begin(), covered.end(), static_cast<int>(i))) continue;
@@ -30,7 +41,6 @@ cv::Mat_<std::uint8_t> openFace(const FaceGrid& grid, const std::vector<int>& co
 
 /// Mean of a few samples.
 double levelAbout(const cv::Mat_<std::uint8_t>& flat, const Eigen::Vector2d& sample) {
-  constexpr int kHalf = 1;
   const cv::Rect about(static_cast<int>(sample.x()) - kHalf, static_cast<int>(sample.y()) - kHalf,
                        2 * kHalf + 1, 2 * kHalf + 1);
   const cv::Rect within = about & cv::Rect(0, 0, flat.cols, flat.rows);
@@ -65,20 +75,15 @@ cv::Mat flatten(const FaceGrid& grid, const cv::Mat& image, const Camera& camera
 
 cv::Mat_<float> changeOf(const cv::Mat& flat) {
   cv::Mat_<float> x, y, change;
-  cv::Scharr(flat, x, CV_32F, 1, 0, 1.0 / 32.0);
-  cv::Scharr(flat, y, CV_32F, 0, 1, 1.0 / 32.0);
+  constexpr double kUnitRamp = 1.0 / 32.0;  // a ramp of one level per sample answers with 1
+  cv::Scharr(flat, x, CV_32F, 1, 0, kUnitRamp);
+  cv::Scharr(flat, y, CV_32F, 0, 1, kUnitRamp);
   cv::magnitude(x, y, change);
   return change;
 }
 
 bool hasExtraHole(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
                   const std::vector<int>& covered, const std::vector<Eigen::Vector2d>& holes) {
-  constexpr float kOwnLine = 1.0f;   // samples: on the part's own lines
-  constexpr double kAsClear = 0.7;   // of the median change there
-  constexpr double kLeast = 4.0;     // grey levels per sample
-  constexpr double kSmallest = 6.0;  // samples across, of what the ring encloses
-  constexpr double kAlike = 1.0;     // of that, between what is seen through it and a drawn hole
-  constexpr double kRound = 0.65;    // enclosed area over that of the rectangle about it
   if (holes.empty()) return false;
   const cv::Mat_<float> change = changeOf(flat);
   std::vector<double> own, through;

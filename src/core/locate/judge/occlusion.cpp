@@ -14,14 +14,17 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr int kSamples = FaceGrid::kSamples;
-// Per length of a cell's side: what a border costs where nothing shows it is 1.
-constexpr float kSeen = 1.0f;
-// A piece that is free is hardly ever missed, but texture bears out many a piece that is covered.
-constexpr float kMissing = 3.0f;
+// Weights of the outline per length of a cell's side, in units of what a border costs where nothing
+// shows it. The edge of a free piece is hardly ever missed, but texture looks like the edge of many
+// a piece that is covered.
+constexpr float kSeen = 1.0f, kMissing = 3.0f;
+// More than all else together: what lies outside the image is covered.
 constexpr float kOutside = 1e3f;
 constexpr double kTexture = 2.0;   // times the face's usual change from cell to cell: a border
-constexpr double kFaintest = 3.0;  // grey levels per sample: the least that passes for usual
+constexpr double kFaintest = 3.0;  // grey levels per sample: usual changes are taken to be as large
 constexpr float kOwn = 2.0f;       // samples about the outline within which edges are its own
+// Cells from the outline to the middle of the cell within: half a cell's diagonal.
+constexpr double kWithin = 0.7;
 
 /// For each link, the strongest change between the middles of its cells.
 std::vector<double> alongLinks(const FaceGrid& grid, const cv::Mat_<float>& change) {
@@ -78,8 +81,7 @@ std::vector<int> findOcclusion(const FaceGrid& grid, const EdgeMap& edges, const
     graph.addEdges(grid.links()[i].first, grid.links()[i].second, cost, cost);
   }
   for (const OutlinePiece& piece : outline) {
-    constexpr double kIn = 0.7;  // cells: a cell's half diagonal
-    const int cell = grid.cellNear(piece.position - kIn * grid.cellSize() * piece.normal);
+    const int cell = grid.cellNear(piece.position - kWithin * grid.cellSize() * piece.normal);
     if (cell < 0) continue;
     const auto share = static_cast<float>(piece.length / grid.cellSize());
     graph.addTermWeights(cell, piece.seen ? kSeen * share : 0.0f,
@@ -88,7 +90,7 @@ std::vector<int> findOcclusion(const FaceGrid& grid, const EdgeMap& edges, const
   graph.maxFlow();
   std::vector<int> covered;
   for (int i = 0; i < n; ++i)
-    if (!graph.inSourceSegment(i)) covered.push_back(i);  // what nothing pulls at is free
+    if (!graph.inSourceSegment(i)) covered.push_back(i);  // without any evidence a cell is free
   return covered;
 }
 

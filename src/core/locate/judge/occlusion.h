@@ -4,12 +4,12 @@
 
 /// Which cells of a posed part's face something covers.
 ///
-/// A cover shows twice: stretches of the part's own outline are missing, and the cover's contour
-/// runs across the face. A missing stretch alone may as well be faint, a foreign edge alone a
-/// scratch. So the cells are divided by a minimum cut (Y. Boykov, V. Kolmogorov: PAMI 26(9), 2004):
-/// outline that is seen pulls its cells to one side, outline that is missing to the other, and a
-/// border between the two is cheap where the face's brightness changes by more than its texture
-/// does.
+/// What covers a part shows twice: sections of the part's own outline are missing, and the contour
+/// of the covering part runs across the face. A missing section alone may as well be faint, a
+/// foreign edge alone a scratch. So the cells are divided by a minimum cut (Y. Boykov,
+/// V. Kolmogorov: PAMI 26(9), 2004): outline that is seen binds its cells to one side, outline that
+/// is missing to the other, and a border between the two costs little where the face's brightness
+/// changes by more than its texture does.
 
 #include "image/edge_map.h"
 #include "planar_bin_picking/image/camera.h"
@@ -19,7 +19,7 @@
 
 namespace planar_bin_picking {
 
-/// A piece of the outline, and whether an edge bears it out.
+/// A piece of the outline, and whether its edge is seen.
 struct OutlinePiece {
   Eigen::Vector2d position, normal;  ///< part frame; the normal points out of the material
   double length = 0.0;               ///< metres

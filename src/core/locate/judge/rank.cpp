@@ -11,6 +11,12 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr std::size_t kStride = 4;  // of the outline's samples: overlap needs no fine polygon
+constexpr int kGrid = 16;  // points to a side by which an overlap is estimated: to some per cent
+/// Share of a print from which on it is surely seen: chance confirms 0.1 to 0.3 (print_evidence.h).
+constexpr double kPrintSeen = 0.6;
+/// Share of the score that a printed pose must have of the one it replaces: a print that is only
+/// just seen lowers its score, a mean, by up to a fifth.
+constexpr double kNearly = 0.75;
 
 /// Coarse mask of a posed part in the ideal image plane.
 struct Mask {
@@ -35,7 +41,6 @@ Mask maskOf(const PartModel& part, const ScoredPose& pose) {
 /// Share of a's area that b covers too, on a grid.
 double overlap(const Mask& a, const Mask& b) {
   if (!a.box.intersects(b.box)) return 0.0;
-  constexpr int kGrid = 16;
   int all = 0, both = 0;
   for (int j = 0; j < kGrid; ++j) {
     for (int i = 0; i < kGrid; ++i) {
@@ -49,16 +54,14 @@ double overlap(const Mask& a, const Mask& b) {
   return static_cast<double>(both) / std::max(1, all);
 }
 
-/// A print that is seen is proof against what would lie there with none: the back of a part,
-/// another part without a print.
+/// Where a print is seen, a pose without one is wrong: the back of a part, another part without a
+/// print.
 std::vector<const ScoredPose*> withoutUnprinted(
     const std::vector<const ScoredPose*>& poses,
     const std::vector<std::shared_ptr<const PartModel>>& parts, double overlap_max) {
-  constexpr double kSeen = 0.6;     // by chance 0.1 to 0.3 (print_evidence.h)
-  constexpr double kNearly = 0.75;  // of the score: what the outline has for it
   std::vector<std::pair<const ScoredPose*, Mask>> printed;
   for (const auto* s : poses)
-    if (s->print > kSeen) printed.push_back({s, maskOf(*parts[s->part], *s)});
+    if (s->print > kPrintSeen) printed.push_back({s, maskOf(*parts[s->part], *s)});
   std::vector<const ScoredPose*> out;
   for (const auto* s : poses) {
     const bool has_print = parts[s->part]->hasPrint() && s->face == Face::kFront;

@@ -18,7 +18,10 @@
 namespace planar_bin_picking {
 namespace {
 
+/// Pixels: twice the reach of an inlier (score/reach_px), so that an edge just beyond is not taken
+/// for a nearer one; and the sigma of a sharp edge.
 constexpr SearchProfile kReach{3, true, 0.8};
+constexpr int kHolePoints = 48;  // along one hole: 3 pixels apart on one of 50 pixels across
 
 /// One hole, by itself.
 struct Hole {
@@ -46,7 +49,6 @@ Groups groupsOf(const PartModel& part, int count) {
     out.points[static_cast<int>(kind)] =
         localPoints(part, count, [kind](const OutlinePoint& p) { return p.kind == kind; });
   }
-  constexpr int kHolePoints = 48;
   const auto& loops = part.file().drawing.loops;
   for (int i = 0; i < static_cast<int>(loops.size()); ++i) {
     out.length[static_cast<int>(loops[i].kind)] += lengthOf(loops[i]);
@@ -64,18 +66,18 @@ Groups groupsOf(const PartModel& part, int count) {
 void addPieces(const PartModel& part, const std::vector<LocalPoint>& points, double length,
                const std::vector<EdgeHit>& hits, double reach_px,
                std::vector<OutlinePiece>* pieces) {
-  constexpr double kBorneOut = 0.4;  // texture, noise and foreign edges give less, mostly
+  constexpr double kSeen = 0.4;  // texture, noise and foreign edges mostly give less
   for (std::size_t i = 0; i < points.size(); ++i) {
     const OutlinePoint& p = part.outline()[points[i].index];
     pieces->push_back({p.position, p.normal, length / static_cast<double>(points.size()),
-                       inlierScore(hits[i], reach_px) > kBorneOut, p.loop});
+                       inlierScore(hits[i], reach_px) > kSeen, p.loop});
   }
 }
 
 /// What is in view of the print; nothing where that is too little to judge by.
 std::vector<LocalPoint> uncovered(const PartModel& part, Face face, const Groups& group,
                                   const std::vector<int>& covered) {
-  constexpr double kLeast = 0.25;  // of the print: less may look like anything
+  constexpr double kLeast = 0.25;  // of the print: chance confirms as much (print_evidence.h)
   const auto& print = group.points[static_cast<int>(LoopKind::kPrint)];
   std::vector<LocalPoint> out;
   if (face == Face::kBack) return out;
@@ -90,7 +92,7 @@ std::vector<LocalPoint> uncovered(const PartModel& part, Face face, const Groups
 /// Whether something lies over the hole, as the rest of the outline tells.
 bool isCovered(const PartModel& part, int loop, const EdgeMap& edges, const Camera& camera,
                const RefinedPose& pose, const std::vector<OutlinePiece>& pieces) {
-  constexpr double kMost = 0.3;  // of the cells around it
+  constexpr double kMost = 0.3;  // share of the cells around it: less is chance or an edge near it
   std::vector<OutlinePiece> others;
   std::vector<int> around;
   const FaceGrid& grid = part.faceGrid();
@@ -110,13 +112,14 @@ bool isCovered(const PartModel& part, int loop, const EdgeMap& edges, const Came
   return static_cast<double>(over) > kMost * static_cast<double>(around.size());
 }
 
-/// How sure it is that a hole is elsewhere or of another size: another part lies there, and however
-/// well the rest fits says nothing against that.
+/// How sure it is that a hole is elsewhere or of another size. Then another part lies there,
+/// however well the rest fits.
 double provenWrong(const PartModel& part, const std::vector<Hole>& holes, const EdgeMap& edges,
                    const Camera& camera, const RefinedPose& pose,
                    const std::vector<OutlinePiece>& pieces) {
-  constexpr double kProof =
-      0.4;  // of the inlier score, that a hole has more of elsewhere than here
+  // Lead of a hole's inlier score elsewhere over that here. In scene similar_only_a_01 it refuses
+  // all six plates that differ by one hole, and no scene loses a right one.
+  constexpr double kProof = 0.4;
   const Eigen::Isometry3d T = pose.T_camera_part * centreOf(part, pose.face);
   const double px_per_metre = camera.model().fx / T.translation().z();
   double proof = 0.0;
@@ -135,10 +138,12 @@ double provenWrong(const PartModel& part, const std::vector<Hole>& holes, const 
   return proof;
 }
 
-/// What edges inside the outline that the drawing does not have leave of the score.
-double leftBy(const PartModel& part, const Groups& group, const EdgeMap& edges,
-              const Camera& camera, const RefinedPose& pose, const std::vector<int>& covered) {
-  // No more, since in a stack the holes of the parts below may look like one too many.
+/// Factor of the score by which edges inside the outline that the drawing does not have lower it.
+double extraHoleFactor(const PartModel& part, const Groups& group, const EdgeMap& edges,
+                       const Camera& camera, const RefinedPose& pose,
+                       const std::vector<int>& covered) {
+  // Share of the score; no more, since in a stack the holes of the parts below may look like one
+  // too many.
   constexpr double kExtraHole = 0.1;
   const cv::Mat flat =
       flatten(part.faceGrid(), edges.image, camera, pose.T_camera_part, part.faceZ(pose.face));
@@ -186,10 +191,10 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
       ++count;
     }
     out[i].score = sum / count;
-    // What is not returned anyway needs no proof against it.
+    // Time: below the threshold a pose is not returned anyway.
     if (out[i].score < params.threshold) return;
     out[i].score *= 1.0 - provenWrong(part, group.holes, edges, camera, r, pieces);
-    out[i].score *= leftBy(part, group, edges, camera, r, out[i].covered);
+    out[i].score *= extraHoleFactor(part, group, edges, camera, r, out[i].covered);
   });
   return out;
 }

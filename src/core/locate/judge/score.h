@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Stage 4: RefinedPose -> ScoredPose: what speaks for a pose, and how much of the part is
-/// uncovered (src/core/locate/judge/occlusion.h).
+/// Stage 4: RefinedPose -> ScoredPose: the evidence for a pose, and how much of the part nothing
+/// covers (src/core/locate/judge/occlusion.h).
 ///
 /// The score is the mean inlier score (Eq. 12 of [1], noise excluded, less with distance) of outer
 /// contour, holes and print, each counting the same. Differs from [1] Sec. III-D, which averages
 /// over all points: holes are short but hardly ever matched by chance (measured in test/benchmark).
-/// Of the print only what is in view counts. What is proof against a pose lowers the score however
-/// well the rest fits: a resolved hole that is seen clearly elsewhere or of another size
+/// Of the print only what is in view counts. Evidence against a pose lowers the score, however well
+/// the rest fits: a resolved hole that is clearly seen elsewhere or of another size
 /// (hole_evidence.h), and, by a tenth, a hole too many (flat_face.h).
 
 #include "image/edge_map.h"
