@@ -18,7 +18,10 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr double kDegrees = EIGEN_PI / 180.0;
-constexpr double kSigmas = 3.0;  // that a pose may be beyond a limit: its own uncertainty
+/// A pose may be beyond the tilt limit by so many of its standard deviations, and by so many
+/// degrees at most: the same place may be answered now and then, but no steep one.
+constexpr double kSigmas = 3.0, kTiltMostDeg = 2.0;
+constexpr double kSineLeast = 1e-6;  // of a tilt, against a division by zero
 
 /// xi in T * exp(xi) for the frame that T_here_there leads to.
 Matrix6d moved(const Matrix6d& covariance, const Eigen::Isometry3d& T_here_there) {
@@ -45,12 +48,12 @@ bool isWanted(Face face, FaceFilter wanted) {
 }
 
 bool isBeyondTilt(const Detection& d, double limit_deg) {
-  constexpr double kMostDeg = 2.0;
   const Eigen::Vector3d z_part = d.T_camera_part.linear().row(2);  // the optical axis
-  const double side = std::max(1e-6, std::hypot(z_part.x(), z_part.y()));
+  const double side = std::max(kSineLeast, std::hypot(z_part.x(), z_part.y()));
   const Eigen::Vector2d about(-z_part.y() / side, z_part.x() / side);
   const double variance = about.dot(d.covariance.block<2, 2>(3, 3) * about);
-  const double margin = std::min(kSigmas * std::sqrt(std::max(0.0, variance)), kMostDeg * kDegrees);
+  const double margin =
+      std::min(kSigmas * std::sqrt(std::max(0.0, variance)), kTiltMostDeg * kDegrees);
   return tiltOf(d.T_camera_part, d.face) > limit_deg * kDegrees + margin;
 }
 

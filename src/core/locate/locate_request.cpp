@@ -9,6 +9,13 @@
 #include <stdexcept>
 
 namespace planar_bin_picking {
+namespace {
+
+constexpr double kSigmas = 3.0;      // of the pose's own uncertainty
+constexpr double kLeast = 0.002;     // metres: as well as such distances are measured
+constexpr double kMostShare = 0.02;  // of the depth: the error of a focal length
+
+}  // namespace
 
 void checkDistances(double distance_min, double distance_max) {
   // Written so that what is not a number is refused, too.
@@ -25,9 +32,6 @@ void checkDistances(double distance_min, double distance_max) {
 }
 
 double distanceMargin(const Detection& detection, double depth) {
-  constexpr double kSigmas = 3.0;   // of the pose's own uncertainty
-  constexpr double kLeast = 0.002;  // metres: as well as such distances are measured
-  constexpr double kMostShare = 0.02;
   const Eigen::Vector3d ray = detection.T_camera_part.linear().row(2);
   const double variance = ray.dot(detection.covariance.topLeftCorner<3, 3>() * ray);
   const double margin = kSigmas * std::sqrt(std::max(0.0, variance));

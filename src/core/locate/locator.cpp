@@ -24,6 +24,12 @@
 namespace planar_bin_picking {
 namespace {
 
+/// Pixels: a driver may add or drop a column or two at the far edge; more is another camera or
+/// another size.
+constexpr int kSlack = 2;
+/// Pixels to a side: a smaller image cannot show a part (kLeastLengthPx of part_extent.h).
+constexpr int kLeastSide = 64;
+
 /// Times the stages into a Report.
 class Clock {
  public:
@@ -51,16 +57,16 @@ void check(const cv::Mat& image, const Camera& camera, const LocateRequest& requ
     refuse("the image has " + std::to_string(image.channels()) + " channels of depth " +
            std::to_string(image.depth()) + "; give one channel of 8 or 16 bit");
   }
-  // A driver may add or drop a column or two at the far edge; more is another camera or another
-  // size.
-  constexpr int kSlack = 2;
   if (std::abs(image.cols - camera.model().width) > kSlack ||
       std::abs(image.rows - camera.model().height) > kSlack) {
     refuse("the image is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
            ", the camera info " + std::to_string(camera.model().width) + " x " +
            std::to_string(camera.model().height) + "; they must be of one size");
   }
-  if (image.cols < 64 || image.rows < 64) refuse("the image is smaller than 64 x 64 pixels");
+  if (image.cols < kLeastSide || image.rows < kLeastSide) {
+    const std::string side = std::to_string(kLeastSide);
+    refuse("the image is smaller than " + side + " x " + side + " pixels");
+  }
   if (request.parts.empty()) refuse("no part is given");
   for (const auto& part : request.parts)  // and the distances
     checkPartSize(*part, camera, request.distance_min, request.distance_max);

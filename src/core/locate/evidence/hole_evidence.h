@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Whether a hole is seen where a pose puts it, or clearly elsewhere: moved or of another size, as
-/// that of a part whose drawing differs by this hole.
+/// Whether a hole is seen where a pose has it, or clearly elsewhere: moved or of another size, as
+/// in a part whose drawing differs by this hole.
 
 #include "image/edge_search.h"
 
@@ -11,14 +11,15 @@
 
 namespace planar_bin_picking {
 
-/// What the edges about one drawn hole say, 0..1 each.
+/// Inlier scores from the edges about one drawn hole, 0..1 each.
 struct HoleEvidence {
   double here = 0.0;       ///< inlier score of the hole as the pose has it
   double elsewhere = 0.0;  ///< of the best other place or size near it; 0 where none was sought
 };
 
 /// @param points    of one hole, all around
-/// @param width_px  of the hole in the image; of a narrow one, what cannot be told is not sought
+/// @param width_px  of the hole in the image; another place is not sought for a narrow one, both of
+///                  whose rims lie within one profile
 /// Cost: as much as scoring the hole; some 20 times as much where the hole is not seen.
 HoleEvidence holeEvidence(const EdgeMap& edges, const Camera& camera,
                           const std::vector<LocalPoint>& points, const Solid& solid,

@@ -9,11 +9,11 @@
 
 namespace planar_bin_picking {
 
-/// How well one outline point is borne out by the edge it found: Eq. (12)'s |cos|, less with
-/// distance. What is mere noise counts nothing.
+/// How well the edge that one outline point found confirms it, 0..1: Eq. (12)'s |cos|, less with
+/// distance. Noise counts nothing.
 inline double inlierScore(const EdgeHit& hit, double reach_px) {
   if (!hit.found) return 0.0;
-  // The wall's lower edge speaks for the pose as well as the upper one.
+  // The wall's lower edge is as good evidence of the pose as the upper one.
   const double beyond =
       hit.offset_px > 0.0f ? std::max(0.0f, hit.offset_px - hit.wall_px) : hit.offset_px;
   const double off = beyond / reach_px;

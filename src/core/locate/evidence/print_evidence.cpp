@@ -12,10 +12,14 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr int kHalf = 9;        // pixels along the normal to either side
-constexpr int kWidest = 5;      // half the width of a stroke, pixels
-constexpr float kNoise = 4.0f;  // a stroke stands out this far above the noise
+// Pixels. Of the widest stroke, half the width; beside a stroke, how far its ground begins and ends
+// from its border (blur lies between); of a border, how far its two sides reach.
+constexpr int kWidest = 5, kGroundFrom = 2, kGroundTo = 3, kSide = 3;
+constexpr int kHalf = kWidest + kGroundTo + 1;  // pixels along the normal to either side
+constexpr float kNoise = 4.0f;  // a stroke stands out this many times the noise, as an edgel does
 constexpr float kAside = 1.0f;  // pixels between the two profiles and the point
+constexpr double kMargin =
+    2.0;  // pixels that a profile stays off the image's border: interpolation
 
 using Profile = std::array<float, 2 * kHalf + 1>;
 
@@ -32,8 +36,8 @@ float strokeOf(const Profile& p) {
   float best = 0.0f;
   for (int half = 0; half <= kWidest; ++half) {
     const float inside = meanOf(p, -half, half);
-    const float left = inside - meanOf(p, -half - 3, -half - 2);
-    const float right = inside - meanOf(p, half + 2, half + 3);
+    const float left = inside - meanOf(p, -half - kGroundTo, -half - kGroundFrom);
+    const float right = inside - meanOf(p, half + kGroundFrom, half + kGroundTo);
     if ((left > 0.0f) != (right > 0.0f)) continue;
     const float step = std::abs(left) < std::abs(right) ? left : right;
     if (std::abs(step) > std::abs(best)) best = step;
@@ -42,9 +46,9 @@ float strokeOf(const Profile& p) {
 }
 
 /// Response to a border in the middle.
-float borderOf(const Profile& p) { return meanOf(p, 1, 3) - meanOf(p, -3, -1); }
+float borderOf(const Profile& p) { return meanOf(p, 1, kSide) - meanOf(p, -kSide, -1); }
 
-/// Share of the responses of the commoner polarity that stand out.
+/// Counts the responses that stand out, by polarity.
 struct Shares {
   int dark = 0, light = 0;
   void add(float response, float floor) {
@@ -62,7 +66,7 @@ double printScore(const EdgeMap& edges, const Camera& camera, const std::vector<
   for (const LocalPoint& p : points) {
     PosedPoint at;
     if (!posePoint(camera, p, radius, T_camera_centre, &at)) continue;
-    if (!fitsInside(edges.image, at.pixel, kHalf + 2.0)) continue;
+    if (!fitsInside(edges.image, at.pixel, kHalf + kMargin)) continue;
     Profile sum{};
     for (const float side : {-kAside, kAside}) {
       const auto nx = static_cast<float>(at.normal.x()), ny = static_cast<float>(at.normal.y());

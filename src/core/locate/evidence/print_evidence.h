@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Whether a print is where a pose puts it. Drawings give prints as the centre lines of strokes of
+/// Whether a print is where a pose has it. Drawings give prints as the centre lines of strokes of
 /// any width, or as the borders of filled areas, darker or lighter than the part.
 
 #include "image/edge_map.h"

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Whether a part's side wall is seen where a pose puts it: on the other side of the part than its
-/// other solution of the plane's pose, tilted the other way, would have it.
+/// Whether a part's side wall is seen where a pose has it. With the other solution of the plane's
+/// pose, tilted the other way, it would be on the other side of the part.
 
 #include "image/edge_search.h"
 

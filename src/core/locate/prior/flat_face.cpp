@@ -6,6 +6,11 @@
 #include "planar_bin_picking/base/se3.h"
 
 namespace planar_bin_picking {
+namespace {
+
+constexpr int kRounds = 3;  // of the linearization: the third changes a pose by less than 1 um
+
+}  // namespace
 
 LinearPrior<6, 3> flatOn(const Plane& plane, const Eigen::Isometry3d& T_camera_face,
                          double thickness, const Eigen::Vector3d& variances) {
@@ -23,7 +28,6 @@ LinearPrior<6, 3> flatOn(const Plane& plane, const Eigen::Isometry3d& T_camera_f
 
 RefinedPose fuseFlat(const RefinedPose& pose, const PartModel& part, const Plane& plane,
                      const Eigen::Vector3d& variances) {
-  constexpr int kRounds = 3;  // the third changes a pose by less than a micrometre
   const Eigen::Isometry3d T_part_face = centreOf(part, pose.face);
   const Eigen::Isometry3d T_camera_face = pose.T_camera_part * T_part_face;
   Estimate<6> image, fused;

@@ -12,6 +12,8 @@
 namespace planar_bin_picking {
 namespace {
 
+constexpr double kGrazing = 1e-3;  // metres of fall per metre of depth: less is the horizon
+
 double tiltSigma(const PlaneParams& params) { return params.sigma_tilt_deg * EIGEN_PI / 180.0; }
 
 }  // namespace
@@ -25,7 +27,6 @@ std::optional<Plane> planeOf(const PlaneParams& params) {
 std::optional<Distances> distancesOnPlane(const Camera& camera, const Plane& plane,
                                           double thickness, const Distances& within,
                                           const PlaneParams& params) {
-  constexpr double kGrazing = 1e-3;  // beyond, the plane reaches the horizon
   const double slack = params.gate * (params.sigma + tiltSigma(params) * plane.distance);
   const double right = camera.model().width - 1.0, bottom = camera.model().height - 1.0;
   Distances seen{std::numeric_limits<double>::infinity(), 0.0};

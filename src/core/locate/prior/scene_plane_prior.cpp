@@ -14,27 +14,29 @@ namespace {
 
 constexpr double kRadians = EIGEN_PI / 180.0;
 
-/// Fewer others tell no plane: three of five may lean on one wall.
+/// Fewer others do not determine the plane: with four, two may lean on one wall.
 constexpr std::size_t kFew = 5;
-/// What of the spreads is never believed: sheets are not flat to less.
+/// The spreads are taken to be at least this, in rad and metres: sheets are not flatter.
 constexpr double kLeastTilt = 0.2 * kRadians, kLeastHeight = 0.2e-3;
-/// Light, bevel and focal length move the edges of all parts alike, so the errors of tilts average
-/// out but those of heights do only in part.
+/// Standard deviation of the plane's height over that of one part: light, bevel and focal length
+/// move the edges of all parts alike, so the errors of tilts average out but those of heights do
+/// only in part.
 constexpr double kAlike = 0.5;
-/// One part in ten lies anyhow: it leans on others or on the wall, up to about so steep and so far
-/// from the plane.
-constexpr double kShareAnyhow = 0.1, kAnyTilt = 15.0 * kRadians, kAnyHeight = 0.05;
+/// One part in ten is an outlier: it leans on others or on the wall. Standard deviations of such
+/// parts, rad and metres: a part of 0.1 m leaning on one of 25 mm, and half a heap's height.
+constexpr double kShareOutlying = 0.1, kOutlyingTilt = 15.0 * kRadians, kOutlyingHeight = 0.05;
 
 /// A Gaussian's density but for a power of 2 pi.
 double density(double off2, int dimensions, double variance) {
   return std::exp(-0.5 * off2 / variance) / std::pow(variance, 0.5 * dimensions);
 }
 
-/// Variance among the others that are like this one, by how far it is off.
-double varianceAt(double off2, int dimensions, double measured, double spread, double anyhow) {
-  const bool alike = (1.0 - kShareAnyhow) * density(off2, dimensions, measured + spread * spread) >
-                     kShareAnyhow * density(off2, dimensions, measured + anyhow * anyhow);
-  return alike ? spread * spread : anyhow * anyhow;
+/// Variance of the prior for a part that is so far off: that of the inliers, or of the outliers.
+double varianceAt(double off2, int dimensions, double measured, double spread, double outlying) {
+  const bool is_inlier =
+      (1.0 - kShareOutlying) * density(off2, dimensions, measured + spread * spread) >
+      kShareOutlying * density(off2, dimensions, measured + outlying * outlying);
+  return is_inlier ? spread * spread : outlying * outlying;
 }
 
 }  // namespace
@@ -100,8 +102,9 @@ double logTiltDensity(const ScenePlane& scene, const Eigen::Vector3d& normal_cam
                       double variance) {
   const double off2 = (normal_camera - scene.plane.normal_camera).squaredNorm();
   const double known = variance + std::pow(scene.tilt_sigma, 2);
-  return std::log((1.0 - kShareAnyhow) * density(off2, 2, known + std::pow(scene.tilt_spread, 2)) +
-                  kShareAnyhow * density(off2, 2, known + kAnyTilt * kAnyTilt));
+  return std::log((1.0 - kShareOutlying) *
+                      density(off2, 2, known + std::pow(scene.tilt_spread, 2)) +
+                  kShareOutlying * density(off2, 2, known + kOutlyingTilt * kOutlyingTilt));
 }
 
 void fuseWithScenePlane(const std::vector<std::shared_ptr<const PartModel>>& parts,
@@ -119,10 +122,10 @@ void fuseWithScenePlane(const std::vector<std::shared_ptr<const PartModel>>& par
     const double plane2 = std::pow(scene->height_sigma, 2) + std::pow(scene->tilt_sigma * aside, 2);
     const double height2 =
         plane2 + varianceAt(std::pow(prior.residual(0), 2), 1, measured(0, 0) + plane2,
-                            scene->height_spread, kAnyHeight);
-    const double tilt2 =
-        varianceAt(prior.residual.tail<2>().squaredNorm(), 2,
-                   0.5 * measured.bottomRightCorner<2, 2>().trace(), scene->tilt_spread, kAnyTilt);
+                            scene->height_spread, kOutlyingHeight);
+    const double tilt2 = varianceAt(prior.residual.tail<2>().squaredNorm(), 2,
+                                    0.5 * measured.bottomRightCorner<2, 2>().trace(),
+                                    scene->tilt_spread, kOutlyingTilt);
     pose = fuseFlat(pose, part, scene->plane, {height2, tilt2, tilt2});
   }
 }

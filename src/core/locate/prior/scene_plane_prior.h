@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// What the poses of a picture tell about one another, where no plane is known (plane_prior.h).
+/// The plane that most parts of a picture lie on, as a prior on each pose, where no plane is known
+/// (plane_prior.h).
 ///
-/// Plates rest on one another and on one floor. Tilt and depth are what a picture tells worst;
-/// where it leaves them open, the way that the other parts lie is likely, and the more so the more
-/// alike these lie (an empirical Bayes estimate): in a single layer both are told well, in a heap
-/// the depth not at all. A pose that clearly lies otherwise is left alone: a few parts lean on
-/// others or on the wall. No pose has a say in its own prior.
+/// Plates rest on one another and on one floor. A picture determines tilt and depth worst. Where it
+/// leaves them open, a part most likely lies as the others do, and the more so the more alike these
+/// lie (an empirical Bayes estimate): in a single layer the prior determines both well, in a heap
+/// not the depth. A pose that clearly lies otherwise is hardly changed: a few parts lean on others
+/// or on the wall. The prior of a pose is estimated without that pose.
 
 #include "planar_bin_picking/part/part_model.h"
 
@@ -53,8 +54,8 @@ class SceneFaces {
   std::vector<Face> faces_;
 };
 
-/// Logarithm of the density, but for a constant, with which a part of the scene has this normal: it
-/// lies as most do, or, one in ten, anyhow.
+/// Logarithm of the density, but for a constant, with which a part of the scene has this normal.
+/// Nine in ten lie as most do, one in any way.
 /// @param variance  of the measured normal, rad^2 per axis
 double logTiltDensity(const ScenePlane& scene, const Eigen::Vector3d& normal_camera,
                       double variance);
