@@ -340,4 +340,11 @@ EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams&
   return findEdges(image, camera, {params.radius_px}, params, threads);
 }
 
+EdgeMap withoutFields(const cv::Mat& image, const EdgesParams& params) {
+  EdgeMap map;
+  map.image = toEightBits(image);
+  map.noise = estimateNoise(shrinkImage(map.image, usualShrink(map.image, params)).grey);
+  return map;
+}
+
 }  // namespace planar_bin_picking

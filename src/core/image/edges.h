@@ -26,5 +26,7 @@ EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const std::vector<
 /// One field, of the image shrunk to params.megapixels.
 EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const EdgesParams& params,
                   int threads);
+/// None: the image and its noise alone, for edges sought about a known pose.
+EdgeMap withoutFields(const cv::Mat& image, const EdgesParams& params);
 
 }  // namespace planar_bin_picking

@@ -39,33 +39,7 @@ constexpr double kPrior = 1.0;
 constexpr double kLeastVariancePx2 = 0.01;
 constexpr double kSigmaOfMedian = 1.4826;  // of a Gaussian
 
-/// One associated point: offset(xi) = offset + J . xi (+ edge offset * out_px).
-struct Row {
-  Vector6d J;
-  double offset, out_px, trust;
-};
-
-double trustOf(double wall_px, double reach_px) {
-  const bool clear = wall_px < kWallUnseenPx || wall_px > reach_px + kWallBeyondReachPx;
-  return clear ? 1.0 : kTrustNarrowWall;
-}
-
-std::vector<Row> associate(const EdgeMap& edges, const Camera& camera,
-                           const std::vector<LocalPoint>& points, const Solid& solid,
-                           const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile) {
-  const EdgeSearch search(edges, profile);
-  std::vector<Row> rows;
-  rows.reserve(points.size());
-  for (const auto& p : points) {
-    PosedPoint at;
-    if (!posePoint(camera, p, solid.radius, T_camera_centre, &at)) continue;
-    const EdgeHit hit = search.at(at);
-    if (!hit.found) continue;
-    rows.push_back({normalJacobian(p, at), hit.offset_px, at.out_px,
-                    trustOf(wallWidth(solid, at), profile.reach_px)});
-  }
-  return rows;
-}
+using Row = AlignmentRow;
 
 /// Tukey's biweight at the end of the steps.
 struct Weighted {
@@ -75,23 +49,6 @@ struct Weighted {
 Weighted weighted(const Row& row, const Vector6d& xi, double tukey_px) {
   const double r = row.J.dot(xi) - row.offset, e = 1.0 - r * r / (tukey_px * tukey_px);
   return {r, e > 0.0 ? row.trust * e * e : 0.0};
-}
-
-/// Within one association the pose moves by pixels, so the projection is taken to be linear.
-NormalEquations normalEquations(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
-  NormalEquations out;
-  const double inv2 = 1.0 / (tukey_px * tukey_px);
-  for (const auto& row : rows) {
-    const double r = row.J.dot(xi) - row.offset;
-    const double e = 1.0 - r * r * inv2;
-    if (e <= 0.0) {
-      out.cost += row.trust;
-      continue;
-    }
-    out.cost += row.trust * (1.0 - e * e * e);
-    out.add(row.J, r, row.trust * e * e);
-  }
-  return out;
 }
 
 double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
@@ -167,6 +124,62 @@ void tellOffset(const std::vector<Row>& rows, const Vector6d& xi, double tukey_p
 
 }  // namespace
 
+double trustOf(double wall_px, double reach_px) {
+  const bool clear = wall_px < kWallUnseenPx || wall_px > reach_px + kWallBeyondReachPx;
+  return clear ? 1.0 : kTrustNarrowWall;
+}
+
+std::vector<Row> associate(const EdgeMap& edges, const Camera& camera,
+                           const std::vector<LocalPoint>& points, const Solid& solid,
+                           const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile) {
+  const EdgeSearch search(edges, profile);
+  std::vector<Row> rows;
+  rows.reserve(points.size());
+  for (const auto& p : points) {
+    PosedPoint at;
+    if (!posePoint(camera, p, solid.radius, T_camera_centre, &at)) continue;
+    const EdgeHit hit = search.at(at);
+    if (!hit.found) continue;
+    rows.push_back({normalJacobian(p, at), hit.offset_px, at.out_px,
+                    trustOf(wallWidth(solid, at), profile.reach_px)});
+  }
+  return rows;
+}
+
+NormalEquations normalEquations(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
+  NormalEquations out;
+  const double inv2 = 1.0 / (tukey_px * tukey_px);
+  for (const auto& row : rows) {
+    const double r = row.J.dot(xi) - row.offset;
+    const double e = 1.0 - r * r * inv2;
+    if (e <= 0.0) {
+      out.cost += row.trust;
+      continue;
+    }
+    out.cost += row.trust * (1.0 - e * e * e);
+    out.add(row.J, r, row.trust * e * e);
+  }
+  return out;
+}
+
+ImagePose imagePoseAt(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
+                      const Eigen::Isometry3d& T_camera_centre, double radius) {
+  const NormalEquations system = normalEquations(rows, xi, tukey_px);
+  ImagePose out;
+  out.T_camera_centre = T_camera_centre;
+  out.used = system.used;
+  out.status = AlignmentStatus::kTooFewEdges;
+  if (out.used < kFewEdges) return out;
+  out.status = AlignmentStatus::kAligned;
+  out.T_camera_centre = stepped(T_camera_centre, xi, radius);
+  out.residual_px = robustSpread(rows, xi, tukey_px);
+  const Matrix6d H = system.H + kPrior * Matrix6d::Identity();
+  const Eigen::LDLT<Matrix6d> solver(H);
+  out.covariance = covarianceOf(rows, xi, tukey_px, system.H, solver.solve(Matrix6d::Identity()));
+  tellOffset(rows, xi, tukey_px, solver, system.b, &out);
+  return out;
+}
+
 ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
                        const std::vector<LocalPoint>& points, const Solid& solid,
                        const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
@@ -182,20 +195,7 @@ ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
       [](const Vector6d& at, const Vector6d& step) -> Vector6d {
         return (at + step).cwiseMax(-kStepMost).cwiseMin(kStepMost);
       });
-  const NormalEquations system = normalEquations(rows, xi, tukey_px);
-  ImagePose out;
-  out.T_camera_centre = T_camera_centre;
-  out.used = system.used;
-  out.status = AlignmentStatus::kTooFewEdges;
-  if (out.used < kFewEdges) return out;
-  out.status = AlignmentStatus::kAligned;
-  out.T_camera_centre = stepped(T_camera_centre, xi, solid.radius);
-  out.residual_px = robustSpread(rows, xi, tukey_px);
-  const Matrix6d H = system.H + kPrior * Matrix6d::Identity();
-  const Eigen::LDLT<Matrix6d> solver(H);
-  out.covariance = covarianceOf(rows, xi, tukey_px, system.H, solver.solve(Matrix6d::Identity()));
-  tellOffset(rows, xi, tukey_px, solver, system.b, &out);
-  return out;
+  return imagePoseAt(rows, xi, tukey_px, T_camera_centre, solid.radius);
 }
 
 }  // namespace planar_bin_picking

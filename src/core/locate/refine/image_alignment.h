@@ -5,6 +5,7 @@
 /// Second part of stage 3: a pose is aligned to sub-pixel edges along the outline's normals.
 
 #include "image/edge_search.h"
+#include "locate/refine/levenberg_marquardt.h"
 
 #include <limits>
 #include <vector>
@@ -36,6 +37,29 @@ struct ImagePose {
   /// alone tells, and its standard deviation; both in radii, infinite where it cannot tell.
   double offset = 0.0, offset_sigma = std::numeric_limits<double>::infinity();
 };
+
+/// One associated point: offset(xi) = offset + J . xi (+ edge offset * out_px).
+struct AlignmentRow {
+  Vector6d J;
+  double offset, out_px, trust;
+};
+
+double trustOf(double wall_px, double reach_px);
+
+/// What each point finds about the pose.
+std::vector<AlignmentRow> associate(const EdgeMap& edges, const Camera& camera,
+                                    const std::vector<LocalPoint>& points, const Solid& solid,
+                                    const Eigen::Isometry3d& T_camera_centre,
+                                    const SearchProfile& profile);
+
+/// Tukey's biweight at xi. The pose moves by pixels within one association, so the projection
+/// counts as linear there.
+NormalEquations normalEquations(const std::vector<AlignmentRow>& rows, const Vector6d& xi,
+                                double tukey_px);
+
+/// The pose stepped by xi, and what the edges say of it by their weights there.
+ImagePose imagePoseAt(const std::vector<AlignmentRow>& rows, const Vector6d& xi, double tukey_px,
+                      const Eigen::Isometry3d& T_camera_centre, double radius);
 
 /// One association and a few steps of the robust least squares with Tukey weights of width
 /// `tukey_px`. Cost: O(points * reach).
