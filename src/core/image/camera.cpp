@@ -24,6 +24,15 @@ constexpr double kFocalRatioMax = 1.2;
 constexpr double kViewMinDeg = 2.0, kViewMaxDeg = 150.0;
 // A fisheye lens of that field of view bends its border by a factor of 2.9.
 constexpr double kBendMax = 4.0;
+// Of undistort: Newton's steps, pixels of error at which they end, far below any measurement, and
+// the least share of a step that is tried.
+constexpr int kNewtonSteps = 50;
+constexpr double kExactPx = 1e-10, kShareLeast = 1e-3;
+// Pixels: where undistort ends farther off, it has found no direction.
+constexpr double kFoundPx = 1e-6;
+constexpr int kPerSide = 16;      // of the grid over which a lens model is checked
+constexpr int kWaySteps = 32;     // from the centre to a border's pixel
+constexpr int kPoleSteps = 1000;  // along the radius: a pole of the rational model is narrow
 
 template <class T>
 [[noreturn]] void refuse(const std::string& field, const T& value, const std::string& expected) {
@@ -87,7 +96,6 @@ struct Grid {
 };
 
 Grid gridOver(int width, int height) {
-  constexpr int kPerSide = 16;
   Grid grid;
   for (int i = 0; i <= kPerSide; ++i) {
     for (int j = 0; j <= kPerSide; ++j) {
@@ -105,28 +113,25 @@ bool isOneToOne(const Camera& camera, const Eigen::Vector2d& p_image,
                 const Eigen::Vector2d& p_ideal) {
   Eigen::Matrix2d jacobian;
   const double off = (camera.distort(p_ideal, &jacobian) - p_image).norm();
-  return off < 1e-6 && jacobian.determinant() > 0.0;
+  return off < kFoundPx && jacobian.determinant() > 0.0;
 }
 
 /// Whether any direction between the centre and this one shares its pixel with a neighbour.
 bool foldsOnTheWay(const Camera& camera, const Eigen::Vector2d& p_ideal) {
-  constexpr int kSteps = 32;
-  for (int step = 0; step <= kSteps; ++step) {
+  for (int step = 0; step <= kWaySteps; ++step) {
     Eigen::Matrix2d jacobian;
-    camera.distort(p_ideal * (static_cast<double>(step) / kSteps), &jacobian);
+    camera.distort(p_ideal * (static_cast<double>(step) / kWaySteps), &jacobian);
     if (!(jacobian.determinant() > 0.0)) return true;
   }
   return false;
 }
 
-/// Whether a longer way from the centre always leads farther out, up to `radius`. Fine steps: a
-/// pole of the rational model is narrow.
+/// Whether a longer way from the centre always leads farther out, up to `radius`.
 bool growsWithRadius(const std::array<double, 8>& d, double radius) {
-  constexpr int kSteps = 1000;
   const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = d;
   double last = 0.0;
-  for (int step = 1; step <= kSteps; ++step) {
-    const double r = radius * step / kSteps, r2 = r * r;
+  for (int step = 1; step <= kPoleSteps; ++step) {
+    const double r = radius * step / kPoleSteps, r2 = r * r;
     const double below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6));
     const double here = r * (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / below;
     if (!(below > 0.0) || !(here > last)) return false;
@@ -258,19 +263,19 @@ Eigen::Vector2d Camera::undistort(const Eigen::Vector2d& p_image) const {
                           (p_image.y() - model_.cy) / model_.fy);
   Eigen::Matrix2d jacobian;
   Eigen::Vector2d error = distort(p_ideal, &jacobian) - p_image;
-  for (int iteration = 0; iteration < 50 && error.norm() > 1e-10; ++iteration) {
+  for (int iteration = 0; iteration < kNewtonSteps && error.norm() > kExactPx; ++iteration) {
     const Eigen::Vector2d step = jacobian.inverse() * error;
     // Far from the centre a full step may leap over a fold of the polynomial: take less of it.
     double share = 1.0;
     Eigen::Vector2d next;
     Eigen::Matrix2d next_jacobian;
     Eigen::Vector2d next_error;
-    for (; share > 1e-3; share *= 0.5) {
+    for (; share > kShareLeast; share *= 0.5) {
       next = p_ideal - share * step;
       next_error = distort(next, &next_jacobian) - p_image;
       if (next_error.norm() < error.norm() && next_jacobian.determinant() > 0.0) break;
     }
-    if (share <= 1e-3) break;  // at the limit of double precision
+    if (share <= kShareLeast) break;  // at the limit of double precision
     p_ideal = next;
     error = next_error;
     jacobian = next_jacobian;

@@ -13,19 +13,22 @@ namespace {
 constexpr int kTaps = EdgeSearch::kTaps;
 constexpr int kMaxReach = 16;         // of SearchProfile::reach_px, for buffers without allocation
 constexpr float kAside = 1.0f;        // pixels between a pair's profiles and the point
-constexpr float kNoiseFactor = 4.0f;  // an edge on a profile is this far above the noise
+constexpr float kNoiseFactor = 4.0f;  // an edge on a profile is so many times the noise: as edgels
 // Like Eq. (10), an edge counts no more than this many times the noise: beyond a clear edge, being
 // near counts more than being strong.
 constexpr float kClear = 12.0f;
-// A blurred step of height 1 has a slope of about one half.
+// A blurred step of height 1 has a slope of about one half per pixel.
 constexpr float kSlopeOfStep = 0.5f;
+
+// Of the even filter: between sqrt(1/3) and 1 the energy odd^2 + even^2 has one peak, in the
+// middle, both of a blurred step and of a blurred line.
+constexpr double kEven = 0.95;
+// Pixels that a profile stays off the image's border: a pair's distance, and interpolation.
+constexpr double kMargin = 2.0;
 
 using Profile = std::array<float, 2 * (kMaxReach + kTaps + 1) + 1>;
 
 EdgeSearch::Filters filtersOf(double sigma) {
-  // Of the even filter: between sqrt(1/3) and 1 the energy odd^2 + even^2 has one peak, in the
-  // middle, both of a blurred step and of a blurred line.
-  constexpr double kEven = 0.95;
   EdgeSearch::Filters f;
   double sum = 0.0;
   for (int j = 1; j <= kTaps; ++j) sum += j * std::exp(-0.5 * j * j / (sigma * sigma));
@@ -61,7 +64,7 @@ EdgeHit EdgeSearch::at(const PosedPoint& point) const {
   const int reach = profile_.reach_px, half = reach + kTaps + 1, n = 2 * half + 1;
   EdgeHit hit;
   const auto& image = edges_.image;
-  if (!fitsInside(image, point.pixel, half + 2.0)) return hit;
+  if (!fitsInside(image, point.pixel, half + kMargin)) return hit;
   // One profile through the point, or one to either side, which tells the gradient's direction,
   // too.
   Profile sum{}, other{};

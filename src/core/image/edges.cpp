@@ -18,6 +18,19 @@
 namespace planar_bin_picking {
 namespace {
 
+/// Scharr's response to white noise of sigma s has sigma s times the root of this per component: of
+/// 2 (3^2 + 10^2 + 3^2).
+constexpr double kScharrVariance = 236.0;
+/// Slope beyond which a gradient counts as diagonal: the tangent of 22 degrees, halfway.
+constexpr int kSlopeAbove = 2, kSlopeBelow = 5;
+/// Pixels along the tangent at which a contour has to go on.
+constexpr int kAhead = 2;
+/// Pixels of the image's border without edgels: kAhead, its neighbours and the gradient's.
+constexpr int kBorder = 4;
+/// Pixels from one node of the undistortion's grid to the next; lenses bend little within.
+constexpr int kGridStep = 16;
+constexpr int kBand = 64;  // rows that one thread takes at a time
+
 /// Shrunken 8-bit image and the whole number by which it was shrunk.
 struct Base {
   cv::Mat grey;
@@ -51,11 +64,10 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const 
                 const EdgesParams& params, int y0, int y1, Marks* marks) {
   const int w = grey.cols;
   const auto faintest = static_cast<float>(params.texture_factor);
-  // Scharr's response to white noise of sigma s has sigma sqrt(2 (3^2 + 10^2 + 3^2)) s per
-  // component.
   std::array<int, 256> threshold{};
   for (int g = 0; g < 256; ++g) {
-    threshold[g] = static_cast<int>(std::pow(params.noise_factor * noise[g] * std::sqrt(236.0), 2));
+    threshold[g] =
+        static_cast<int>(std::pow(params.noise_factor * noise[g] * std::sqrt(kScharrVariance), 2));
   }
   // Three rolling rows of gradients.
   std::vector<int> buffer(9 * w, 0);
@@ -89,9 +101,9 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const 
       if (m < threshold[level[x]]) continue;
       const int h = gx[here][x], v = gy[here][x], ah = std::abs(h), av = std::abs(v);
       int before, after;
-      if (5 * av < 2 * ah) {
+      if (kSlopeBelow * av < kSlopeAbove * ah) {
         before = mag[here][x - 1], after = mag[here][x + 1];
-      } else if (5 * ah < 2 * av) {
+      } else if (kSlopeBelow * ah < kSlopeAbove * av) {
         before = mag[up][x], after = mag[down][x];
       } else if ((h > 0) == (v > 0)) {
         before = mag[up][x - 1], after = mag[down][x + 1];
@@ -109,13 +121,13 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const 
 
 /// What the neighbours along a contour look like, by direction bin.
 struct Continuation {
-  std::array<std::array<int, 2>, kDirections> along;  // two pixels along the tangent
+  std::array<std::array<int, 2>, kDirections> along;                           // kAhead pixels on
   std::array<std::array<std::uint8_t, kDirections + 1>, kDirections> alike{};  // [bin][mark]: 0, 1
 
   Continuation() {
     for (int b = 0; b < kDirections; ++b) {
-      along[b] = {static_cast<int>(std::lround(-2 * std::sin(b * M_PI / kDirections))),
-                  static_cast<int>(std::lround(2 * std::cos(b * M_PI / kDirections)))};
+      along[b] = {static_cast<int>(std::lround(-kAhead * std::sin(b * M_PI / kDirections))),
+                  static_cast<int>(std::lround(kAhead * std::cos(b * M_PI / kDirections)))};
       for (const int turn : {kDirections - 1, 0, 1}) alike[b][1 + (b + turn) % kDirections] = 1;
     }
   }
@@ -141,7 +153,7 @@ bool continues(const cv::Mat& marks, int x, int y, int bin) {
 class UndistortGrid {
  public:
   UndistortGrid(const Camera& camera, const Base& base, Field* field) {
-    step_ = 16;
+    step_ = kGridStep;
     nx_ = base.grey.cols / step_ + 2;
     ny_ = base.grey.rows / step_ + 2;
     Eigen::AlignedBox2d box;
@@ -261,9 +273,9 @@ struct Edgel {
 std::vector<Edgel> placeEdgels(const Marks& marks, const UndistortGrid& undistort,
                                const Field& field, int y0, int y1) {
   std::vector<Edgel> out;
-  for (int y = std::max(y0, 4); y < std::min(y1, marks.direction.rows - 4); ++y) {
+  for (int y = std::max(y0, kBorder); y < std::min(y1, marks.direction.rows - kBorder); ++y) {
     const auto *row = marks.direction.ptr(y), *is_faint = marks.is_faint.ptr(y);
-    for (int x = 4; x < marks.direction.cols - 4; ++x) {
+    for (int x = kBorder; x < marks.direction.cols - kBorder; ++x) {
       if (row[x] == 0 || !continues(marks.direction, x, y, row[x] - 1)) continue;
       const Eigen::Vector2d p = undistort(x, y);
       const int u = static_cast<int>(p.x() + 0.5), v = static_cast<int>(p.y() + 0.5);
@@ -280,7 +292,6 @@ Field makeField(const Base& base, const std::array<float, 256>& noise, const Cam
   const Texture texture(base.grey, threads);
   Marks marks{cv::Mat_<std::uint8_t>(base.grey.size(), std::uint8_t{0}),
               cv::Mat_<std::uint8_t>(base.grey.size(), std::uint8_t{0})};
-  constexpr int kBand = 64;
   const int bands = (base.grey.rows + kBand - 1) / kBand;
   parallelFor(bands, threads, [&](int i) {
     markEdgels(base.grey, noise, texture, params, i * kBand,

@@ -18,7 +18,17 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr int kBand = 64;  // rows that one thread takes at a time
+constexpr int kBand = 64;        // rows that one thread takes at a time
+constexpr int kWhiteStride = 3;  // pixels and rows from one that counts for the white to the next
+constexpr int kToneSteps = 1 << 14;  // of light: finer than a grey level at the dark end
+/// Light, of 1: a picture that is black all over has no white.
+constexpr float kLightLeast = 1e-12f;
+/// Weight of a saturated pixel of the shortest exposure: less than any other that counts.
+constexpr double kLastWeight = 1e-6;
+/// Of the exposures' ratio: quantiles compared, and the fewest that are told by grey levels between
+/// dark, below which rounding and read noise weigh too much, and saturated.
+constexpr int kQuantiles = 400, kFewest = 4;
+constexpr double kDark = 8.0;
 
 [[noreturn]] void refuse(const std::string& message) { throw std::invalid_argument(message); }
 
@@ -92,23 +102,22 @@ cv::Mat_<float> mergeLight(const std::vector<Exposure>& bracket,
   return light;
 }
 
-/// The light that becomes white, from every third pixel of every third row.
+/// The light that becomes white.
 float whitePoint(const cv::Mat_<float>& light, const double percentile) {
   std::vector<float> values;
-  for (int y = 0; y < light.rows; y += 3)
-    for (int x = 0; x < light.cols; x += 3) values.push_back(light(y, x));
+  for (int y = 0; y < light.rows; y += kWhiteStride)
+    for (int x = 0; x < light.cols; x += kWhiteStride) values.push_back(light(y, x));
   const auto rank =
       static_cast<std::ptrdiff_t>(std::lround(percentile / 100.0 * (values.size() - 1)));
   std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return std::max(values[rank], 1e-12f);
+  return std::max(values[rank], kLightLeast);
 }
 
 cv::Mat toneMap(const cv::Mat_<float>& light, const HdrParams& params, int threads) {
-  constexpr int kSteps = 1 << 14;
-  const float scale = kSteps / whitePoint(light, params.white_percentile);
-  std::vector<std::uint8_t> curve(kSteps + 1);
-  for (int i = 0; i <= kSteps; ++i) {
-    const double share = static_cast<double>(i) / kSteps, c = params.compression;
+  const float scale = kToneSteps / whitePoint(light, params.white_percentile);
+  std::vector<std::uint8_t> curve(kToneSteps + 1);
+  for (int i = 0; i <= kToneSteps; ++i) {
+    const double share = static_cast<double>(i) / kToneSteps, c = params.compression;
     curve[i] = static_cast<std::uint8_t>(
         std::lround(255.0 * (c > 0.0 ? std::log1p(c * share) / std::log1p(c) : share)));
   }
@@ -117,7 +126,8 @@ cv::Mat toneMap(const cv::Mat_<float>& light, const HdrParams& params, int threa
     for (int y = band * kBand; y < std::min((band + 1) * kBand, light.rows); ++y) {
       auto* const row = out.ptr<std::uint8_t>(y);
       for (int x = 0; x < light.cols; ++x) {
-        row[x] = curve[static_cast<int>(std::min(light(y, x) * scale, static_cast<float>(kSteps)))];
+        row[x] =
+            curve[static_cast<int>(std::min(light(y, x) * scale, static_cast<float>(kToneSteps)))];
       }
     }
   });
@@ -176,7 +186,7 @@ cv::Mat mergeExposures(const std::vector<Exposure>& bracket, const HdrParams& pa
   std::vector<std::vector<Share>> tables;
   for (const Exposure& exposure : sorted) {
     // Where even the shortest is saturated, it is all there is to go by.
-    tables.push_back(shares(exposure.seconds, tables.empty() ? 1e-6 : 0.0, full, params));
+    tables.push_back(shares(exposure.seconds, tables.empty() ? kLastWeight : 0.0, full, params));
   }
   const cv::Mat_<float> light = images[0].depth() == CV_8U
                                     ? mergeLight<std::uint8_t>(sorted, tables, threads)
@@ -187,8 +197,6 @@ cv::Mat mergeExposures(const std::vector<Exposure>& bracket, const HdrParams& pa
 std::optional<double> exposureRatio(const cv::Mat& reference, const cv::Mat& image,
                                     const HdrParams& params) {
   checkBracket({{reference, 1.0}, {image, 1.0}});
-  constexpr int kQuantiles = 400, kFewest = 4;
-  constexpr double kDark = 8.0;  // grey levels; below, rounding and read noise weigh too much
   const int full = fullScale({reference, image});
   const auto below_reference = cumulate(reference, full), below_image = cumulate(image, full);
   const double bright = 255.0 * params.saturation_from, dark = kDark + 255.0 * params.black_level;

@@ -7,11 +7,22 @@
 #include <cstdlib>
 
 namespace planar_bin_picking {
+namespace {
+
+constexpr int kLevels = 16;         // of brightness: noise follows it slowly
+constexpr int kBlock = 8;           // pixels to a side, so that edges fill few blocks
+constexpr int kFewBlocks = 20;      // fewer do not determine a level's median to some ten per cent
+constexpr int kMaxDifference = 64;  // grey levels: larger second differences are edges
+constexpr int kSteps = 4;           // of a block's median, per grey level
+/// Median |second difference| of Gaussian noise of sigma 1: 0.6745 sqrt(1^2 + 2^2 + 1^2).
+constexpr float kToSigma = 1.0f / (0.6745f * 2.449f);
+/// Grey levels, of that median: rounding to whole levels hides less.
+constexpr float kFinest = 0.3f;
+
+}  // namespace
 
 std::array<float, 256> estimateNoise(const cv::Mat& grey) {
-  constexpr int kLevels = 16, kMaxDifference = 64, kBlock = 8, kFewBlocks = 20;
-  constexpr float kToSigma = 1.0f / (0.6745f * 2.449f), kFinest = 0.3f;
-  std::array<std::array<int, kMaxDifference * 4>, kLevels> counts{};  // by median, quarter steps
+  std::array<std::array<int, kMaxDifference * kSteps>, kLevels> counts{};  // by median
   std::array<int, kLevels> blocks{};
   for (int y = 0; y + kBlock <= grey.rows; y += kBlock) {
     for (int x = 0; x + kBlock + 2 <= grey.cols; x += kBlock) {
@@ -28,9 +39,9 @@ std::array<float, 256> estimateNoise(const cv::Mat& grey) {
       int below = 0, d = 0;
       while (below + inside[d] < kCount / 2) below += inside[d++];
       // Interpolated inside the integer step: fine noise is a fraction of a grey level.
-      const int quarter = 4 * d + 4 * (kCount / 2 - below) / inside[d];
+      const int step = kSteps * d + kSteps * (kCount / 2 - below) / inside[d];
       const int level = sum / kCount * kLevels / 256;
-      ++counts[level][std::min(quarter, 4 * kMaxDifference - 1)];
+      ++counts[level][std::min(step, kSteps * kMaxDifference - 1)];
       ++blocks[level];
     }
   }
@@ -40,7 +51,7 @@ std::array<float, 256> estimateNoise(const cv::Mat& grey) {
     if (blocks[level] < kFewBlocks) continue;
     int below = 0, q = 0;
     while (below + counts[level][q] < (blocks[level] + 1) / 2) below += counts[level][q++];
-    sigma[level] = std::max(q / 4.0f - 0.5f, kFinest) * kToSigma;
+    sigma[level] = std::max(q / (1.0f * kSteps) - 0.5f, kFinest) * kToSigma;
     // Levels that only edges have: between their neighbours.
     for (int k = known + 1; k < level; ++k) {
       sigma[k] = known < 0

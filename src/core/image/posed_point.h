@@ -7,6 +7,8 @@
 
 namespace planar_bin_picking {
 
+inline constexpr double kDepthLeast = 1e-6;  ///< metres: nearer, no point is in front of a camera
+
 /// A point in the image, its outward normal there and what a step of the pose does along it.
 struct PosedPoint {
   Eigen::Vector2d pixel, normal;
@@ -20,7 +22,7 @@ inline bool posePoint(const Camera& camera, const LocalPoint& p, double radius,
                       const Eigen::Isometry3d& T, PosedPoint* out) {
   const Eigen::Vector3d x = T.linear().col(0), y = T.linear().col(1);
   const Eigen::Vector3d q = T.translation() + radius * (p.x * x + p.y * y);
-  if (q.z() <= 1e-6) return false;
+  if (q.z() <= kDepthLeast) return false;
   const double inv_z = 1.0 / q.z(), u = q.x() * inv_z, v = q.y() * inv_z;
   Eigen::Matrix2d lens;
   out->pixel = camera.distort({u, v}, &lens);

@@ -21,7 +21,7 @@ inline bool fitsInside(const cv::Mat& image, const Eigen::Vector2d& p, double sp
 /// @pre all of it lies within the image, see fitsInside
 inline void addProfile(const cv::Mat& image, float x0, float y0, float dx, float dy, int n,
                        float* sum) {
-  constexpr float kOne = 65536.0f;
+  constexpr float kOne = 65536.0f;  // of 16 fractional bits
   int x = static_cast<int>(x0 * kOne), y = static_cast<int>(y0 * kOne);
   const int step_x = static_cast<int>(dx * kOne), step_y = static_cast<int>(dy * kOne);
   const std::uint8_t* const data = image.data;
@@ -31,7 +31,7 @@ inline void addProfile(const cv::Mat& image, float x0, float y0, float dx, float
     const int a = (x >> 8) & 255, b = (y >> 8) & 255;
     const int top = (p[0] << 8) + a * (p[1] - p[0]);
     const int bottom = (p[row] << 8) + a * (p[row + 1] - p[row]);
-    sum[k] += static_cast<float>((top << 8) + b * (bottom - top)) * (1.0f / 65536.0f);
+    sum[k] += static_cast<float>((top << 8) + b * (bottom - top)) * (1.0f / kOne);
   }
 }
 

@@ -13,6 +13,14 @@
 #include <vector>
 
 namespace planar_bin_picking {
+namespace {
+
+constexpr int kAround = 2;   // blocks to either side that a level is taken from
+constexpr int kRowStep = 2;  // every second row of the image will do
+/// Contours fill few of these blocks, texture all; about teeth and holes up to half of them.
+constexpr double kQuantile = 0.35;
+
+}  // namespace
 
 /// Strength of Scharr's response at columns 1 to w - 2 of the middle of three rows.
 PBP_SIMD
@@ -23,22 +31,18 @@ static void strengths(const std::uint8_t* above, const std::uint8_t* row, const 
 }
 
 Texture::Texture(const cv::Mat& grey, int threads) {
-  constexpr int kAround = 2;  // blocks to either side
-  // Contours fill few of these blocks, texture all; about teeth and holes up to half of them.
-  constexpr double kQuantile = 0.35;
   const int rows = std::max(1, grey.rows / kBlock), cols = std::max(1, grey.cols / kBlock);
   cv::Mat_<float> mean(rows, cols, 0.0f);
   parallelFor(rows, threads, [&](int row) {
-    // Every second row of the image will do.
     std::vector<float> line(static_cast<std::size_t>(grey.cols), 0.0f);
-    for (int k = 0; k < kBlock; k += 2) {
+    for (int k = 0; k < kBlock; k += kRowStep) {
       const int y = std::max(1, row * kBlock + k);
       if (y + 1 >= grey.rows) break;
       strengths(grey.ptr(y - 1), grey.ptr(y), grey.ptr(y + 1), grey.cols, line.data());
       for (int col = 0; col < cols; ++col) {
         const auto block = line.begin() + col * kBlock;
         const auto end = block + std::min(kBlock, grey.cols - col * kBlock);
-        mean(row, col) += std::accumulate(block, end, 0.0f) / (kBlock * kBlock / 2);
+        mean(row, col) += std::accumulate(block, end, 0.0f) / (kBlock * kBlock / kRowStep);
       }
     }
   });

@@ -18,8 +18,8 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr double kDegrees = EIGEN_PI / 180.0;
-/// A pose may be beyond the tilt limit by so many of its standard deviations, and by so many
-/// degrees at most: the same place may be answered now and then, but no steep one.
+/// A pose may be beyond the tilt limit by so many of its standard deviations, since noise should
+/// not decide, but by no more than so many degrees.
 constexpr double kSigmas = 3.0, kTiltMostDeg = 2.0;
 constexpr double kSineLeast = 1e-6;  // of a tilt, against a division by zero
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/refine/field_alignment.h"
 
+#include "image/posed_point.h"
 #include "locate/refine/levenberg_marquardt.h"
 
 #include <algorithm>
@@ -14,7 +15,6 @@ constexpr double kReachDecay = 0.85;  // per step: from a tenth of a part to two
 constexpr double kTiltWeight = 20.0;  // per point: 10 degrees beyond the limit are one radius off
 constexpr double kStepMost = 0.3;     // radii or radians: beyond, the points see other edges
 constexpr int kBinsRenewed = 3;       // evaluations for which a point's direction bin is kept: time
-constexpr double kDepthLeast = 1e-6;  // metres: nearer, a point is not in front of the camera
 constexpr double kSineLeast = 1e-6;   // of a tilt, against a division by zero
 
 /// A point's place in the field: its direction bin is renewed only now and then.
