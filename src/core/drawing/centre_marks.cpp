@@ -12,6 +12,8 @@
 namespace planar_bin_picking {
 namespace {
 
+constexpr double kNoArea = 1e-9;  // square millimetres: against a division by zero
+
 using Points = std::vector<Eigen::Vector2d>;
 
 Eigen::AlignedBox2d boxOf(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -46,7 +48,7 @@ std::vector<LooseLine> looseLines(const std::vector<Stroke>& strokes, double tol
 /// The middle of a closed stroke: the centroid of its area.
 Eigen::Vector2d middleOf(const Points& points) {
   const double area = signedArea(points);
-  if (std::abs(area) < 1e-9) return points.front();
+  if (std::abs(area) < kNoArea) return points.front();
   // Relative to one of its points, for the digits.
   Points local = points;
   for (Eigen::Vector2d& p : local) p -= points.front();

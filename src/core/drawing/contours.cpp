@@ -16,6 +16,14 @@
 namespace planar_bin_picking {
 namespace {
 
+/// Sine of the angle between two lines: where it is flatter, the point at which they meet lies far
+/// off and is none that anybody drew.
+constexpr double kFlat = 0.1;
+/// A cell's diagonal is this share of the tolerance, so that rounding does not put ends into one
+/// that are farther apart.
+constexpr double kBelow = 0.999;
+constexpr int kReach = 2;  // cells that a tolerance spans
+
 using Points = std::vector<Eigen::Vector2d>;
 
 /// Which way a stroke runs at its end; zero where it is bent there.
@@ -32,7 +40,6 @@ Eigen::Vector2d endDirection(const Stroke& stroke, bool last) {
 std::optional<Eigen::Vector2d> cornerOf(const Eigen::Vector2d& a, const Eigen::Vector2d& along_a,
                                         const Eigen::Vector2d& b, const Eigen::Vector2d& along_b) {
   const double across = along_a.x() * along_b.y() - along_a.y() * along_b.x();
-  constexpr double kFlat = 0.1;  // sine of the angle
   if ((a - b).norm() <= kExactMm || std::abs(across) <= kFlat * along_a.norm() * along_b.norm())
     return std::nullopt;
   const Eigen::Vector2d between = b - a;
@@ -187,7 +194,7 @@ void Joints::joinClose(const std::vector<std::size_t>& ends, double tolerance) {
   // In cells so small that all ends in one are close, one of them stands for all; ends of cells
   // nearby are compared until two are close. So a thousand ends in a place, or at one x, cost
   // little.
-  const double cell = tolerance / std::sqrt(2.0) * 0.999;
+  const double cell = tolerance / std::sqrt(2.0) * kBelow;
   const auto cellOf = [&](std::size_t end) {
     return std::make_pair(static_cast<long>(std::floor(ends_[end].x() / cell)),
                           static_cast<long>(std::floor(ends_[end].y() / cell)));
@@ -199,7 +206,6 @@ void Joints::joinClose(const std::vector<std::size_t>& ends, double tolerance) {
     // Ends at the very same place say nothing new.
     if (members.empty() || ends_[members.back()] != ends_[end]) members.push_back(end);
   }
-  constexpr int kReach = 2;  // cells that a tolerance spans
   for (const auto& [place, members] : cells) {
     for (long x = place.first; x <= place.first + kReach; ++x) {
       for (long y = place.second - kReach; y <= place.second + kReach; ++y) {

@@ -25,6 +25,14 @@ namespace {
 
 /// Far more than the drawing of a part needs, embedded pictures left aside.
 constexpr std::size_t kBytesMax = 64u << 20;
+/// Of the tolerances: coarser chords, or joints over a wider gap, would change small holes.
+constexpr double kChordMostMm = 1.0, kJoinMostMm = 5.0;
+/// From the origin: there a hundredth of a degree moves the part by 17 mm.
+constexpr double kFarMm = 100e3;
+/// A part this small is rare in millimetres and common in inches (300 mm).
+constexpr double kSmallMm = 12.0;
+constexpr double kMarginMm =
+    1.0;  // a print's stroke may reach beyond the outline by half its width
 
 std::string number(double value) {
   std::ostringstream text;
@@ -39,8 +47,8 @@ void checkParams(const DrawingParams& params) {
     throw std::invalid_argument(std::string(name) + " is " + number(value) + ", must be between " +
                                 number(least) + " and " + number(most));
   };
-  check("chord_tolerance_mm", params.chord_tolerance_mm, 1e-4, 1.0);
-  check("join_tolerance_mm", params.join_tolerance_mm, 1e-4, 5.0);
+  check("chord_tolerance_mm", params.chord_tolerance_mm, kExactMm, kChordMostMm);
+  check("join_tolerance_mm", params.join_tolerance_mm, kExactMm, kJoinMostMm);
 }
 
 std::string quotedLayers(const std::vector<Stroke>& strokes) {
@@ -117,7 +125,6 @@ void warnOfLineTypes(const EdgeSelection& selection, const std::vector<Stroke>& 
 
 /// A pose is that of the drawing's origin: far from it, a small error of its angle moves the part.
 void warnOfDistance(const Contour& outer, std::vector<std::string>* warnings) {
-  constexpr double kFarMm = 100e3;
   const double distance = boxOf(outer.points).exteriorDistance(Eigen::Vector2d::Zero().eval());
   if (distance <= kFarMm) return;
   warnings->push_back("the outline is " + number(std::round(1e-3 * distance)) +
@@ -128,7 +135,6 @@ void warnOfDistance(const Contour& outer, std::vector<std::string>* warnings) {
 /// A file that states no unit, of a part that would be large in inches and is small in mm.
 void warnOfSize(const DxfHeader& header, const std::string& told, const Contour& outer,
                 std::vector<std::string>* warnings) {
-  constexpr double kSmallMm = 12.0;
   const double size = boxOf(outer.points).sizes().maxCoeff();
   if (!told.empty() || header.insunits.value_or(0) != 0 || size >= kSmallMm) return;
   warnings->push_back("the file states no unit ($INSUNITS): read as mm, the part is " +
@@ -138,7 +144,6 @@ void warnOfSize(const DxfHeader& header, const std::string& told, const Contour&
 
 /// A print beside the part is none: a title, or another part's.
 void checkOnPart(const Contour& print, const Loop& outer) {
-  constexpr double kMarginMm = 1.0;  // half a stroke may hang over
   const Eigen::AlignedBox2d box = boxOf(outer.points);
   for (const Eigen::Vector2d& p : print.points) {
     if (box.exteriorDistance(p) <= kMarginMm) continue;

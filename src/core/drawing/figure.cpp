@@ -12,8 +12,13 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr double kSamples = 4000.0;  // along all loops, beside their corners
-constexpr double kAcross = 400.0;    // cells along the longer side, so that few lines share one
+constexpr double kSamples = 4000.0;     // along all loops, beside their corners
+constexpr double kAcross = 400.0;       // cells along the longer side, so that few lines share one
+constexpr double kSpacingLeast = 1e-9;  // mm, against a division by zero
+constexpr std::size_t kCornersLeast = 8;  // a polygon of fewer is no circle
+/// Of the tolerance: chords lie off a curve by up to 0.01 mm (DrawingParams), a fifth of the usual
+/// tolerance.
+constexpr double kRound = 0.25;
 
 }  // namespace
 
@@ -36,7 +41,7 @@ Figure::Figure(const std::vector<const Loop*>& loops, const Eigen::Vector2d& cen
     pieces_.push_back(piece);
   }
   if (empty()) return;
-  for (Piece& piece : pieces_) addSamples(&piece, std::max(length / kSamples, 1e-9));
+  for (Piece& piece : pieces_) addSamples(&piece, std::max(length / kSamples, kSpacingLeast));
   addLines(std::max(box.sizes().maxCoeff() / kAcross, 2.0 * tolerance));
 }
 
@@ -76,7 +81,6 @@ void Figure::addSamples(Piece* piece, double spacing) {
 /// Most holes are circles: a plate of a thousand is compared by their centres, not by their chords.
 void Figure::addIfRound(Piece* piece, bool closed) {
   const std::size_t count = piece->last_side - piece->first_side;
-  constexpr std::size_t kCornersLeast = 8;
   if (!closed || count < kCornersLeast) return;
   Polygon polygon;
   for (std::size_t k = piece->first_side; k < piece->last_side; ++k)
@@ -88,9 +92,8 @@ void Figure::addIfRound(Piece* piece, bool closed) {
     least = std::min(least, distanceToSegment(middle, a, b));
     most = std::max(most, (a - middle).norm());
   }
-  // Chords lie off the curve by up to 0.01 mm (DrawingParams), a fifth of the usual tolerance. Not
-  // less than or equal: the middle of a loop without area is no number.
-  if (!(most - least <= 0.25 * tolerance_)) return;
+  // Written so that what is not a number returns, too: the middle of a loop without area.
+  if (!(most - least <= kRound * tolerance_)) return;
   piece->round = true;
   piece->circle = {middle, 0.5 * (least + most)};
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(tolerance_);

@@ -18,6 +18,8 @@ namespace {
 
 /// Points closer than this to the one before carry no shape, only trouble.
 constexpr double kSamePointMm = kExactMm;
+constexpr std::size_t kPointsMax = 64;                    // of a small loop: more are no overshoot
+constexpr double kSizeLeastMm = 1.0, kSizeMostMm = 10e3;  // of a part: others are of another unit
 
 using Points = std::vector<Eigen::Vector2d>;
 
@@ -91,7 +93,6 @@ std::optional<Eigen::Vector2d> crossingOf(const Eigen::Vector2d& a, const Eigen:
 /// and where the path crosses itself.
 std::optional<std::pair<std::size_t, Eigen::Vector2d>> smallLoop(const Points& points,
                                                                  std::size_t i, double tolerance) {
-  constexpr std::size_t kPointsMax = 64;  // more make no overshoot
   const std::size_t n = points.size();
   double length = 0.0;
   for (std::size_t k = 2; k < std::min(n - 2, kPointsMax); ++k) {
@@ -162,7 +163,7 @@ void checkSize(const std::vector<Contour>& contours) {
   Eigen::AlignedBox2d box;
   for (const Contour& contour : contours) box.extend(boxOf(contour.points));
   const double size = box.sizes().maxCoeff();
-  if (size >= 1.0 && size <= 10e3) return;
+  if (size >= kSizeLeastMm && size <= kSizeMostMm) return;
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text << "the part would be " << size

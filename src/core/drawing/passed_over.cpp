@@ -16,6 +16,9 @@
 namespace planar_bin_picking {
 namespace {
 
+constexpr double kRectangular = 0.999;     // of its box's area: but for rounding, a rectangle
+constexpr std::size_t kLookedAtMax = 500;  // text in outlines has thousands, and is no hole
+
 /// A closed contour that was left out, and by which rule.
 struct LeftOutContour {
   Contour contour;
@@ -64,7 +67,6 @@ bool isFrame(const LeftOutContour& left_out) {
   if (!matchesAny(left_out.rule->name, {"BORDER*", "TITLE*"})) return false;
   const Eigen::AlignedBox2d box = boxOf(left_out.contour.points);
   const double area = box.sizes().prod();
-  constexpr double kRectangular = 0.999;
   return std::abs(signedArea(left_out.contour.points)) >= kRectangular * area;
 }
 
@@ -124,7 +126,6 @@ void checkPassedOver(const EdgeSelection& selection, const std::vector<Contour>&
   const bool nested = areNested(contours, outer);
   std::map<std::string, std::size_t> holes;
   std::set<std::string> larger;
-  constexpr std::size_t kLookedAtMax = 500;  // text in outlines has thousands, and is no hole
   for (std::size_t i = 0; i < std::min(closed.size(), kLookedAtMax); ++i) {
     const LeftOutContour& left_out = closed[i];
     if (holds(left_out.contour, contours)) {

@@ -14,6 +14,13 @@
 namespace planar_bin_picking {
 namespace {
 
+/// Of a stroke's length: one line that is drawn twice lies nearer than this. A neighbour as short
+/// as the tolerance is another line.
+constexpr double kSameShare = 0.2;
+/// Times what counts as near: so far behind its end a stroke is probed, so that a rib, which ends
+/// on another line, does not seem to run along it.
+constexpr double kBehind = 5.0;
+
 using Points = std::vector<Eigen::Vector2d>;
 
 double lengthOf(const Points& points) {
@@ -65,7 +72,7 @@ class Chords {
 /// Two strokes are one line drawn twice if they are closer than this. A neighbour as short as the
 /// tolerance must not pass for the same line.
 double sameLine(const Points& points, double tolerance) {
-  return std::min(tolerance, 0.2 * lengthOf(points));
+  return std::min(tolerance, kSameShare * lengthOf(points));
 }
 
 /// Whether two strokes cover the same points: ends alone do not tell an arc from its chord.
@@ -210,8 +217,7 @@ std::vector<std::map<Place, Eigen::Vector2d>> findCuts(const std::vector<Stroke>
     for (const bool last : {false, true}) {
       if (strokes[i].closed) continue;
       const Eigen::Vector2d end = last ? own.back() : own.front();
-      // Farther than what "near" allows at the end, so that a rib does not seem to run along.
-      const Eigen::Vector2d probe = behindEnd(own, last, std::min(5.0 * near, lengthOf(own)));
+      const Eigen::Vector2d probe = behindEnd(own, last, std::min(kBehind * near, lengthOf(own)));
       chords.passing(end, near, [&](std::size_t other, const Place& place) {
         if (other == i) return;
         const Points& points = strokes[other].points;

@@ -18,6 +18,12 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kMaxOrder = 360;  ///< finer teeth than one degree count as a circle or as none
+/// Of the circle that is chosen to look for mirror axes: by how much a crossing more lowers its
+/// merit.
+constexpr double kPerCrossing = 0.02;
+constexpr int kRadii = 200;          // circles tried: half a per cent of the largest radius apart
+constexpr int kFallbackPerLoop = 9;  // circles per loop, where none of these crosses the figure
+constexpr double kSameAxis = 1e-6;   // radians: an axis at pi but for rounding is that at 0
 
 std::vector<const Loop*> loopsOf(const Drawing& drawing, bool print) {
   std::vector<const Loop*> loops;
@@ -102,22 +108,21 @@ std::vector<double> axisCandidates(const Figure& figure) {
     const double squareness = figure.crossings(radius, &angles);
     // Far out and square across, an axis comes out sharp; few crossings make few candidates.
     const double quality = squareness * (radius / figure.largestRadius()) /
-                           (1.0 + 0.02 * static_cast<double>(angles.size()));
+                           (1.0 + kPerCrossing * static_cast<double>(angles.size()));
     if (!angles.empty() && quality > best_quality) {
       best_quality = quality;
       best = angles;
     }
   };
-  constexpr int kRadii = 200;
   for (int i = 1; i < kRadii; ++i) look(static_cast<double>(i) / kRadii * figure.largestRadius());
   // A shallow flat of a disk may lie between two of them.
   if (best.empty()) {
-    for (const double radius : figure.crossedRadii(9)) look(radius);
+    for (const double radius : figure.crossedRadii(kFallbackPerLoop)) look(radius);
   }
   std::vector<double> axes;
   for (const double angle : best) {
     double axis = std::fmod(0.5 * (best.front() + angle) + 2.0 * kPi, kPi);
-    if (kPi - axis < 1e-6) axis = 0.0;
+    if (kPi - axis < kSameAxis) axis = 0.0;
     axes.push_back(axis);
   }
   std::sort(axes.begin(), axes.end());

@@ -11,9 +11,10 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr double kAcross = 40.0, kMostAcross = 320.0;  // cells along the longer side
-constexpr std::size_t kFewCells = 60;
-constexpr int kShift = 4;  // of OpenCV's fractional pixels
+// Cells along the longer side: a cell of some 2 mm is finer than a tool; and at most, for the time.
+constexpr double kAcross = 40.0, kMostAcross = 320.0;
+constexpr std::size_t kFewCells = 60;  // fewer do not tell a visible share to some per cent
+constexpr int kShift = 4;              // of OpenCV's fractional pixels
 
 std::vector<cv::Point> toSamples(const Loop& loop, const Eigen::Vector2d& origin, double spacing) {
   std::vector<cv::Point> line;

@@ -8,13 +8,25 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr int kAngles = 360;
+constexpr int kAngles = 360;  // steps of one degree: several to the width of a peak
+constexpr double kStep = 2.0 * M_PI / kAngles;
+/// Of the grid of distances: cells of a quarter tolerance, as many to a side as fit into a cache,
+/// over twice the radius either way.
+constexpr double kCellsPerTolerance = 4.0, kGridRadii = 2.0;
+constexpr int kHalfMost = 256;
+/// Of the nearness from one step to the next: a ring with a few small holes looks alike at every
+/// turn.
+constexpr double kFlat = 0.02;
+/// Steps within which a turn counts as one of the symmetries: the peak's error and a half.
+constexpr double kExactSteps = 1.5;
+/// Radians: as near to the share of a full turn that makes an order.
+constexpr double kOrderNear = 0.02;
 
 /// Distance to the outline's nearest sample, on a grid, up to the tolerance.
 class NearOutline {
  public:
   NearOutline(const std::vector<Eigen::Vector2d>& points, double tolerance)
-      : half_(std::min(256, static_cast<int>(8.0 / tolerance))),
+      : half_(std::min(kHalfMost, static_cast<int>(kCellsPerTolerance * kGridRadii / tolerance))),
         tolerance_(tolerance),
         cells_(4 * static_cast<std::size_t>(half_) * half_, static_cast<float>(tolerance)) {
     const int reach = static_cast<int>(std::ceil(tolerance * scale()));
@@ -37,7 +49,7 @@ class NearOutline {
   }
 
  private:
-  double scale() const { return half_ / 2.0; }  // the grid spans two radii either way
+  double scale() const { return half_ / kGridRadii; }
   int cell(double v) const { return half_ + static_cast<int>(std::floor(v * scale())); }
   bool valid(int c) const { return c >= 0 && c < 2 * half_; }
   double distance(const Eigen::Vector2d& p) const {
@@ -65,8 +77,6 @@ Eigen::Isometry3d turned(const OutlineShape& part, bool flip, double angle) {
   return Eigen::Isometry3d(centre * turn * centre.inverse());
 }
 
-constexpr double kStep = 2.0 * M_PI / kAngles;
-
 /// A turn after which much of the shape lies on itself.
 struct Turn {
   double share, angle;
@@ -83,7 +93,6 @@ std::vector<Turn> findTurns(const std::vector<Eigen::Vector2d>& shape, const Nea
     return sum / static_cast<double>(shape.size());
   };
   std::vector<Turn> found;
-  constexpr double kFlat = 0.02;  // a ring with a few small holes looks alike at every turn
   // Turns that differ by a symmetry of the shape are the same, and so are the two faces of a shape
   // that equals its mirror image.
   const int order = std::max(1, symmetry.order);
@@ -114,7 +123,7 @@ bool isExact(const Turn& turn, const Symmetry& symmetry) {
   if (symmetry.order == 0) return true;
   const double base = turn.flip ? 2.0 * symmetry.mirror_axis : 0.0;
   const double turns = (turn.angle - base) * symmetry.order / (2.0 * M_PI);
-  return std::abs(turns - std::round(turns)) * 2.0 * M_PI / symmetry.order < 1.5 * kStep;
+  return std::abs(turns - std::round(turns)) * 2.0 * M_PI / symmetry.order < kExactSteps * kStep;
 }
 
 }  // namespace
@@ -174,7 +183,7 @@ int findNearOrder(const OutlineShape& part, const std::vector<NearSymmetry>& nea
   }
   const auto has = [&](double angle) {
     return std::any_of(angles.begin(), angles.end(),
-                       [angle](double a) { return std::abs(a - angle) < 0.02; });
+                       [angle](double a) { return std::abs(a - angle) < kOrderNear; });
   };
   for (int n = static_cast<int>(angles.size()) + 1; n > 1; --n) {
     bool all = true;

@@ -8,9 +8,9 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr double kSamples =
-    512.0;  // along the whole outline: a sample every 1 to 2 mm ([1] Sec. II-B)
-constexpr int kMinSamplesPerLoop = 12;
+/// Along the whole outline: a sample every 1 to 2 mm, as in [1] Sec. II-B.
+constexpr double kSamples = 512.0;
+constexpr int kMinSamplesPerLoop = 12;  // 30 degrees apart on a small hole
 
 /// Samples at the middle of `count` equal pieces of the loop.
 void sampleLoop(const Loop& loop, int index, double spacing, std::vector<OutlinePoint>* out) {

@@ -15,6 +15,12 @@
 namespace planar_bin_picking {
 namespace {
 
+constexpr std::size_t kPosesMost = 200;      // each is compared with the copies of all others
+constexpr std::size_t kLayersMost = 1000;    // each entity is compared with all of them
+constexpr double kMillimetresMost = 1000.0;  // of a thickness or a tool: more is another unit
+/// From what drawing programs round to, to what would close slots and small holes.
+constexpr double kJoinLeastMm = 0.001, kJoinMostMm = 5.0;
+
 namespace fs = std::filesystem;
 
 std::string extensionOf(const fs::path& path) {
@@ -77,8 +83,6 @@ PickPose readPickPose(const YAML::Node& node, const std::string& where) {
 }
 
 std::vector<PickPose> readPickPoses(const YAML::Node& list, const std::string& path) {
-  // Each is compared with all others' copies.
-  constexpr std::size_t kPosesMost = 200;
   if (!list.IsSequence() || list.size() > kPosesMost) {
     throwBadValue(path, "pick_poses", list,
                   "a list of at most " + std::to_string(kPosesMost) + " poses");
@@ -98,16 +102,14 @@ std::vector<PickPose> readPickPoses(const YAML::Node& list, const std::string& p
 /// @return  metres; nothing where the key is not there
 std::optional<double> readMillimetres(const YAML::Node& root, const std::string& key,
                                       const std::string& zero, const std::string& path) {
-  constexpr double kMost = 1000.0;
   if (!root[key]) return std::nullopt;
   const std::string expected = "between 0 " + zero + " and 1000";
   const double value = valueAs<double>(root[key], path, key, expected);
-  if (!(value >= 0.0 && value <= kMost)) throwBadValue(path, key, root[key], expected);
+  if (!(value >= 0.0 && value <= kMillimetresMost)) throwBadValue(path, key, root[key], expected);
   return 1e-3 * value;
 }
 
 DrawingParams readDrawingParams(const YAML::Node& root, const std::string& path) {
-  constexpr std::size_t kLayersMost = 1000;  // each entity is held against all of them
   DrawingParams params;
   const auto read = [&](const char* key, std::vector<std::string>* patterns) {
     if (!root[key]) return;
@@ -129,11 +131,10 @@ DrawingParams readDrawingParams(const YAML::Node& root, const std::string& path)
     }
   }
   if (root["join_tolerance_mm"]) {
-    // From what drawing programs round to, to what would close slots and small holes.
     const std::string expected = "between 0.001 and 5";
     const double value =
         valueAs<double>(root["join_tolerance_mm"], path, "join_tolerance_mm", expected);
-    if (!(value >= 0.001 && value <= 5.0))
+    if (!(value >= kJoinLeastMm && value <= kJoinMostMm))
       throwBadValue(path, "join_tolerance_mm", root["join_tolerance_mm"], expected);
     params.join_tolerance_mm = value;
   }

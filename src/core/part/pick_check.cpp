@@ -14,6 +14,8 @@ namespace {
 
 /// A tool that is laid flat or over by rounding alone still counts as flat.
 constexpr double kIntoLeast = 1e-6;
+/// Of the thickness: deeper, a contact is on the far face, but for rounding.
+constexpr double kThrough = 0.99;
 
 const char* nameOf(Face face) { return face == Face::kFront ? "front" : "back"; }
 
@@ -110,7 +112,7 @@ std::vector<std::string> pickWarnings(const std::vector<PickPose>& poses, const 
         warnings.push_back(what + ": its contact at " + inMm(contact) + " " + wrong);
       // A gripper goes in between the faces; through the part nothing goes.
       const double depth = depthOf(pose, face, face_z);
-      if (thickness > 0.0 && depth > 0.99 * thickness) {
+      if (thickness > 0.0 && depth > kThrough * thickness) {
         warnings.push_back(what + ": lies " + yamlNumber(1e3 * depth, 1) + " mm below the " +
                            nameOf(face) + ", on the far face of the part or beyond it; the " +
                            nameOf(face) + " is at z = " + yamlNumber(1e3 * face_z, 1) + " mm");

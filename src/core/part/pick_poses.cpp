@@ -9,7 +9,9 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kMostTurns = 12;
+constexpr int kMostTurns =
+    12;  // copies of a pose: every 30 degrees a robot finds one that it reaches
+constexpr double kNear = 1e-4;  // metres and radians: what a drawing's numbers may be rounded to
 
 /// A motion after which the part looks the same.
 struct Turn {
@@ -42,7 +44,6 @@ FaceFilter flipped(FaceFilter face) {
 }
 
 bool isSame(const PickPose& a, const PickPose& b) {
-  constexpr double kNear = 1e-4;  // metres and radians: what a drawing's numbers may be rounded to
   return a.face == b.face && a.T_part_pick.isApprox(b.T_part_pick, kNear);
 }
 

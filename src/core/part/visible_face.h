@@ -13,6 +13,10 @@
 
 namespace planar_bin_picking {
 
+/// Radii of the part from its centre to a corner of its grid: of the square about a circle, and a
+/// cell more.
+inline constexpr double kGridRadii = 1.5;
+
 /// Normal of the face that is up, out of the part: its z axis for the front.
 inline Eigen::Vector3d normalOf(const Eigen::Isometry3d& T_camera_part, Face face) {
   return (face == Face::kFront ? 1.0 : -1.0) * T_camera_part.linear().col(2);
@@ -28,7 +32,6 @@ inline double tiltOf(const Eigen::Isometry3d& T_camera_part, Face face) {
 inline bool showsFace(const PartModel& part, const Eigen::Isometry3d& T_camera_part, Face face) {
   const Eigen::Vector3d centre = T_camera_part * centreOf(part, face).translation();
   const Eigen::Vector3d normal = normalOf(T_camera_part, face);
-  constexpr double kGridRadii = 1.5;  // a corner of the square about a circle, and a cell more
   const double rise = kGridRadii * part.radius() * std::hypot(normal.x(), normal.y());
   return centre.z() - rise > 0.0 && normal.z() < 0.0 && normal.dot(centre) < 0.0;
 }

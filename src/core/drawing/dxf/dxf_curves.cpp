@@ -5,6 +5,7 @@
 #include "base/polygon.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -13,6 +14,16 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr int kMaxDepth = 16;  // of halving: 65536 chords, more than any curve needs
+/// Places between the ends of a chord at which its distance from the curve is measured. Not at
+/// quarters: a wave that passes through its chord there would look straight.
+constexpr std::array<double, 3> kProbes = {0.5, 0.21, 0.79};
+/// Of the largest distance from the chord: as much of it these places see.
+constexpr double kSeen = 0.9;
+/// A thousand kilometres: beyond, nothing is known to the accuracy of a part any more.
+constexpr double kFarthestMm = 1e9;
+constexpr double kStraight = 1e-12;  // of its length, between arc and chord: a straight line
+constexpr double kEqual = 1e-9;      // radians; the rounding of angles in degrees stays below
 
 using PlacedCurve = std::function<Eigen::Vector2d(double)>;
 
@@ -25,20 +36,16 @@ class Flattener {
   void begin(double t) { append(place(t)); }
 
   /// From the last point on to that at t1.
-  void follow(double t0, double t1) {
-    constexpr int kMaxDepth = 16;
-    appendChords(t0, t1, points.back(), place(t1), kMaxDepth);
-  }
+  void follow(double t0, double t1) { appendChords(t0, t1, points.back(), place(t1), kMaxDepth); }
 
   std::vector<Eigen::Vector2d> points;
 
  private:
-  /// Halves the stretch from t0 to t1 until its chord is close enough; appends the points after p0.
+  /// Halves the section from t0 to t1 until its chord is close enough; appends the points after p0.
   void appendChords(double t0, double t1, const Eigen::Vector2d& p0, const Eigen::Vector2d& p1,
                     int depth) {
-    // Not at quarters: a wave that passes through its chord there would look straight.
     bool close = true;
-    for (const double share : {0.5, 0.21, 0.79}) {
+    for (const double share : kProbes) {
       close = close && distanceToSegment(place(t0 + share * (t1 - t0)), p0, p1) <= tolerance_;
     }
     if (close || depth == 0) return append(p1);
@@ -49,8 +56,6 @@ class Flattener {
   }
 
   Eigen::Vector2d place(double t) const {
-    // A thousand kilometres: beyond, nothing is known to the accuracy of a part any more.
-    constexpr double kFarthestMm = 1e9;
     const Eigen::Vector2d p = at_(t);
     if (p.cwiseAbs().maxCoeff() <= kFarthestMm && p == p) return p;
     throw std::runtime_error(
@@ -75,7 +80,6 @@ class Flattener {
 /// where the arc is nearly straight, so that rounding errors in a bulge stay what they are.
 Eigen::Vector2d bulgePoint(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double bulge,
                            double s) {
-  constexpr double kStraight = 1e-12;  // of its length, between arc and chord
   if (std::abs(bulge) < kStraight) return a + s * (b - a);
   const double half = 2.0 * std::atan(bulge);
   const double length = std::sin(half * s) / std::sin(half);
@@ -257,7 +261,6 @@ Curve makeLine(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
 
 Curve makeEllipse(const Eigen::Vector2d& center, const Eigen::Vector2d& major,
                   const Eigen::Vector2d& minor, double start, double end) {
-  constexpr double kEqual = 1e-9;  // radians; the rounding of angles in degrees stays below
   if (std::abs(end - start) < kEqual) return {};
   double span = std::fmod(end - start, 2.0 * kPi);
   if (span <= kEqual) span += 2.0 * kPi;
@@ -308,8 +311,7 @@ std::vector<Eigen::Vector2d> flatten(const Curve& curve, const Eigen::Affine2d& 
                                      double tolerance, std::size_t points_max) {
   if (curve.breaks.empty()) return {};
   const PlacedCurve at = [&](double t) -> Eigen::Vector2d { return placement * curve.at(t); };
-  // Three samples see nearly, not quite, the largest distance from the chord.
-  Flattener flattener(at, 0.9 * tolerance, points_max);
+  Flattener flattener(at, kSeen * tolerance, points_max);
   flattener.begin(curve.breaks.front());
   for (std::size_t i = 1; i < curve.breaks.size(); ++i) {
     flattener.follow(curve.breaks[i - 1], curve.breaks[i]);

@@ -15,6 +15,7 @@ namespace {
 
 /// Dimensions are rounded to a digit or two behind the point.
 constexpr double kSame = 0.01;
+constexpr double kWhole = 1e-6;  // of a power of ten's exponent: rounding
 
 bool isSame(double a, double b) { return std::abs(a - b) <= kSame * std::max(a, b); }
 
@@ -33,7 +34,7 @@ bool isUnit(double factor, double mm_per_unit) {
 /// Metres that are shown as centimetres, and the like: a factor alone says no more.
 bool isPowerOfTen(double factor) {
   const double power = std::log10(factor);
-  return std::abs(power - std::round(power)) < 1e-6;
+  return std::abs(power - std::round(power)) < kWhole;
 }
 
 /// Where the factor is that of another unit to the millimetre, that is the likelier reason.
