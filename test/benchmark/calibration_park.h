@@ -39,7 +39,7 @@ inline PoseError parkError(const sim::BoardCell& cell, const HandEyeProblem& pro
                            const Camera::Model& camera) {
   std::vector<PosePair> motions;
   for (const Observation& s : problem.observations) {
-    const auto T_camera_board = boardPose(camera, problem.board, s.corners);
+    const auto T_camera_board = boardPose(camera, seenPoints(problem.board, s));
     if (T_camera_board) {
       motions.push_back({robotSide(problem.mounting, s.T_base_flange), *T_camera_board});
     }
@@ -58,10 +58,9 @@ inline PoseError bound(const sim::BoardCell& cell, const HandEyeProblem& problem
   chain.T_mount_camera = cell.T_mount_camera;
   chain.T_other_board = cell.T_other_board;
   const Noise noise{cell.corner_px, 1e-3 * cell.robot_mm, sim::kDegree * cell.robot_deg};
-  const std::vector<double> weights(problem.board.size(), 1.0);
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kColumns, kColumns);
   for (const Observation& s : problem.observations) {
-    information += viewInformation(chain, noise, problem.board, s.T_base_flange, weights);
+    information += viewInformation(chain, noise, s.points(problem.board), s.T_base_flange);
   }
   const auto covariance = invertInformation(information, {});
   if (!covariance) return {};

@@ -65,10 +65,10 @@ inline PoseError binError(const sim::BoardCell& cell, const HandEyeResult& resul
     }
     Eigen::Isometry3d to_centre = Eigen::Isometry3d::Identity();
     to_centre.translation() = half;
-    const PoseError error =
-        poseError(result.T_mount_camera *
-                      boardPoseNear(result.camera, part, corners, T_camera_board) * to_centre,
-                  cell.T_mount_camera * T_camera_board * to_centre);
+    const PoseError error = poseError(
+        result.T_mount_camera *
+            boardPoseNear(result.camera, {part.points(), corners}, T_camera_board) * to_centre,
+        cell.T_mount_camera * T_camera_board * to_centre);
     mm2 += error.mm * error.mm / 5.0;
     deg2 += error.deg * error.deg / 5.0;
   }

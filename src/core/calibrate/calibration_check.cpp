@@ -78,7 +78,11 @@ class Explanation {
   }
 
   double cost() const { return cost_; }
-  std::size_t corners() const { return views_.size() * problem_.board.size(); }
+  std::size_t corners() const {
+    std::size_t count = 0;
+    for (const Observation& view : views_) count += view.corners.size();
+    return count;
+  }
   /// Of the free part.
   Eigen::VectorXd moved() const { return state_.segment(part_.first, part_.count); }
   /// Root of the mean square residual of a coordinate, in standard deviations.
@@ -107,7 +111,8 @@ class Explanation {
       increment.mount_camera = state.segment<6>(kHandEye);
       increment.other_board = state.segment<6>(kBoard);
       increment.correction = state.segment<6>(at);
-      const auto seen = predict(chain, views_[v].T_base_flange, increment, problem_.board, true);
+      const auto seen = predict(chain, views_[v].T_base_flange, increment,
+                                views_[v].points(problem_.board), true);
       if (!seen) return false;
       Eigen::VectorXd off(seen->pixels.size());
       for (Eigen::Index i = 0; i < off.size(); ++i) {
@@ -172,6 +177,8 @@ std::vector<Observation> inOrder(const HandEyeProblem& problem, const HandEyeRes
   for (Observation& view : views) {
     double best = std::numeric_limits<double>::infinity();
     std::vector<Eigen::Vector2d> ordered = view.corners;
+    // A board of which parts may be seen has one order alone.
+    if (!view.ids.empty()) continue;
     for (const std::vector<std::size_t>& order : orderings(problem.board)) {
       Observation turned = view;
       for (std::size_t i = 0; i < order.size(); ++i) turned.corners[i] = view.corners[order[i]];
@@ -239,13 +246,9 @@ void validate(const HandEyeProblem& problem, const HandEyeResult& calibrated,
     throw std::invalid_argument("a check takes 1 to 3 views, got " + std::to_string(views.size()));
   }
   if (!calibrated.solved) throw std::invalid_argument("the calibration has no solution to check");
-  for (const Observation& view : views) {
-    if (view.corners.size() == problem.board.size() && view.T_base_flange.matrix().allFinite()) {
-      continue;
-    }
-    throw std::invalid_argument(view.name + ": needs " + std::to_string(problem.board.size()) +
-                                " corners and a robot pose");
-  }
+  HandEyeProblem of_views = problem;
+  of_views.observations = views;
+  validate(of_views);
 }
 
 }  // namespace

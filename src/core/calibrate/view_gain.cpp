@@ -46,7 +46,7 @@ ViewGain::ViewGain(const HandEyeProblem& problem, const HandEyeResult& solution,
       model_(chain_, problem.width, problem.height, solution.working_distance),
       margin_px_(margin_px),
       caution_(caution),
-      weights_(problem.board.size(), 1.0) {
+      points_(problem.board.points()) {
   options_.fixed_camera = problem.camera.has_value();
   // A handful of views may fit by chance: no robot and no corner is taken for better than this.
   noise_.pixel = std::max(0.05, solution.sigma_px);
@@ -55,8 +55,8 @@ ViewGain::ViewGain(const HandEyeProblem& problem, const HandEyeResult& solution,
   information_ = Eigen::MatrixXd::Zero(kColumns, kColumns);
   for (std::size_t i = 0; i < solution.views.size(); ++i) {
     if (!solution.views[i].used) continue;
-    information_ += viewInformation(chain_, noise_, problem.board,
-                                    problem.observations[i].T_base_flange, weights_);
+    const Observation& view = problem.observations[i];
+    information_ += viewInformation(chain_, noise_, view.points(problem.board), view.T_base_flange);
   }
   const auto lens = lensPrior(chain_.intrinsics, problem.width, problem.height);
   for (std::size_t i = 0; i < lens.size(); ++i) {
@@ -100,13 +100,13 @@ bool ViewGain::surelySeen(const Eigen::Isometry3d& T_base_flange) const {
   // Seen from the front, and not too flat.
   if (!(T_camera_board.linear()(2, 2) > 0.5)) return false;
   // Most draws fail without any uncertainty; derivatives cost more.
-  const auto seen = predict(chain_, T_base_flange, Increment(), problem_.board, false);
+  const auto seen = predict(chain_, T_base_flange, Increment(), points_, false);
   if (!seen) return false;
   for (Eigen::Index i = 0; i < seen->pixels.size(); ++i) {
     const int size = i % 2 == 0 ? problem_.width : problem_.height;
     if (!(seen->pixels[i] > margin_px_ && seen->pixels[i] < size - 1 - margin_px_)) return false;
   }
-  const auto prediction = predict(chain_, T_base_flange, Increment(), problem_.board, true);
+  const auto prediction = predict(chain_, T_base_flange, Increment(), points_, true);
   if (!prediction) return false;
   const auto cols = static_cast<std::size_t>(problem_.board.cols);
   for (const std::size_t i :
@@ -129,8 +129,7 @@ bool ViewGain::surelySeen(const Eigen::Isometry3d& T_base_flange) const {
 std::optional<double> ViewGain::errorAfter(const Eigen::Isometry3d& T_base_flange) const {
   if (!surelySeen(T_base_flange)) return std::nullopt;
   const auto covariance = invertInformation(
-      information_ + viewInformation(chain_, noise_, problem_.board, T_base_flange, weights_),
-      options_);
+      information_ + viewInformation(chain_, noise_, points_, T_base_flange), options_);
   if (!covariance) return std::nullopt;
   const std::array<double, 4> errors = errorsOf(model_, *covariance);
   double sum = 0.0;

@@ -44,8 +44,8 @@ class ViewGain {
   AdjustOptions options_;
   ErrorModel model_;
   double margin_px_, caution_;
-  std::array<double, 4> errors_{};  // at present, see errorsOf
-  std::vector<double> weights_;
+  std::array<double, 4> errors_{};       // at present, see errorsOf
+  std::vector<Eigen::Vector3d> points_;  // all corners of the board
 };
 
 }  // namespace planar_bin_picking

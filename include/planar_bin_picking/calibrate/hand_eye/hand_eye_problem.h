@@ -22,7 +22,11 @@ enum class Mounting { kEyeInHand, kEyeToHand };
 struct Observation {
   std::string name;  ///< for messages
   Eigen::Isometry3d T_base_flange = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Vector2d> corners;  ///< pixels, one per corner of the board
+  std::vector<Eigen::Vector2d> corners;  ///< pixels, one per corner of the board, or per id
+  /// Which of the board's corners each is, where only a part of the board is seen; empty: all.
+  std::vector<std::size_t> ids{};
+
+  std::vector<Eigen::Vector3d> points(const Board& board) const { return board.points(ids); }
 };
 
 struct HandEyeProblem {

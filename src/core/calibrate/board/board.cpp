@@ -2,6 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/calibrate/board/board.h"
 
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <locale>
 #include <sstream>
 #include <stdexcept>
 
@@ -20,6 +25,12 @@ void validate(const Board& board) {
   if (!(board.square >= 1e-4 && board.square <= 10.0)) {
     refuse("square", board.square, "0.0001 .. 10 metres");
   }
+  if (board.kind != Board::Kind::kCharuco) return;
+  // Smaller markers are read badly; larger ones leave no rim in which a corner could be refined.
+  constexpr double kLeast = 0.4, kMost = 0.9;
+  if (!(board.marker >= kLeast * board.square && board.marker <= kMost * board.square)) {
+    refuse("marker", board.marker, "0.4 .. 0.9 of square, in metres");
+  }
 }
 
 Board parseBoard(const std::string& text, double square) {
@@ -36,10 +47,41 @@ Board parseBoard(const std::string& text, double square) {
   return board;
 }
 
+std::vector<Eigen::Vector3d> Board::points(const std::vector<std::size_t>& ids) const {
+  std::vector<Eigen::Vector3d> out;
+  for (std::size_t i = 0; ids.empty() && i < size(); ++i) out.push_back(corner(i));
+  for (const std::size_t id : ids) out.push_back(corner(id));
+  return out;
+}
+
+bool Board::operator==(const Board& other) const {
+  return cols == other.cols && rows == other.rows && square == other.square && kind == other.kind &&
+         marker == other.marker && dictionary == other.dictionary;
+}
+
+bool areEnough(const Board& board, const std::vector<std::size_t>& ids) {
+  if (ids.size() < kCornersLeast) return false;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const std::size_t id : ids) middle += board.corner(id).head<2>() / board.square;
+  const auto count = static_cast<double>(ids.size());
+  middle /= count;
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const std::size_t id : ids) {
+    const Eigen::Vector2d off = board.corner(id).head<2>() / board.square - middle;
+    scatter += off * off.transpose() / count;
+  }
+  // The smaller eigenvalue.
+  const double half = 0.5 * scatter.trace();
+  const double least = half - std::sqrt(std::max(0.0, half * half - scatter.determinant()));
+  return least >= kCornersSpread * kCornersSpread;
+}
+
 std::vector<std::vector<std::size_t>> orderings(const Board& board) {
   std::vector<std::size_t> identity(board.size());
   for (std::size_t i = 0; i < identity.size(); ++i) identity[i] = i;
   std::vector<std::vector<std::size_t>> out{identity};
+  // Markers tell its corners apart.
+  if (board.kind == Board::Kind::kCharuco) return out;
   if ((board.cols + board.rows) % 2 != 0) return out;
   const bool quarter = board.cols == board.rows && board.cols % 2 == 0;
   if (!quarter) {

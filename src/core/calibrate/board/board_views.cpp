@@ -9,18 +9,17 @@
 namespace planar_bin_picking {
 namespace {
 
-std::vector<cv::Point3f> objectPoints(const Board& board) {
+std::vector<cv::Point3f> objectPoints(const SeenPoints& view) {
   std::vector<cv::Point3f> points;
-  for (std::size_t i = 0; i < board.size(); ++i) {
-    const Eigen::Vector3d x = board.corner(i);
+  for (const Eigen::Vector3d& x : view.points) {
     points.emplace_back(static_cast<float>(x.x()), static_cast<float>(x.y()), 0.0F);
   }
   return points;
 }
 
-std::vector<cv::Point2f> imagePoints(const std::vector<Eigen::Vector2d>& corners) {
+std::vector<cv::Point2f> imagePoints(const SeenPoints& view) {
   std::vector<cv::Point2f> points;
-  for (const Eigen::Vector2d& p : corners) {
+  for (const Eigen::Vector2d& p : view.corners) {
     points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
   }
   return points;
@@ -52,14 +51,12 @@ Eigen::Isometry3d fromOpenCv(const cv::Mat_<double>& rvec, const cv::Mat_<double
 
 }  // namespace
 
-Camera::Model cameraFromBoards(const Board& board,
-                               const std::vector<std::vector<Eigen::Vector2d>>& views, int width,
-                               int height) {
+Camera::Model cameraFromBoards(const std::vector<SeenPoints>& views, int width, int height) {
   std::vector<std::vector<cv::Point3f>> objects;
   std::vector<std::vector<cv::Point2f>> images;
-  for (const std::vector<Eigen::Vector2d>& corners : views) {
-    objects.push_back(objectPoints(board));
-    images.push_back(imagePoints(corners));
+  for (const SeenPoints& view : views) {
+    objects.push_back(objectPoints(view));
+    images.push_back(imagePoints(view));
   }
   const cv::Size size(width, height);
   cv::Mat_<double> K = cv::initCameraMatrix2D(objects, images, size, 1.0);
@@ -79,26 +76,24 @@ Camera::Model cameraFromBoards(const Board& board,
           K(0, 2), K(1, 2), "plumb_bob", {distortion(0), 0.0, 0.0, 0.0, 0.0}};
 }
 
-std::optional<Eigen::Isometry3d> boardPose(const Camera::Model& camera, const Board& board,
-                                           const std::vector<Eigen::Vector2d>& corners) {
+std::optional<Eigen::Isometry3d> boardPose(const Camera::Model& camera, const SeenPoints& view) {
   const CvCamera cv_camera = toOpenCv(camera);
   cv::Mat_<double> rvec, tvec;
-  const bool solved = cv::solvePnP(objectPoints(board), imagePoints(corners), cv_camera.K,
+  const bool solved = cv::solvePnP(objectPoints(view), imagePoints(view), cv_camera.K,
                                    cv_camera.distortion, rvec, tvec, false, cv::SOLVEPNP_IPPE);
   if (!solved || !cv::checkRange(rvec) || !cv::checkRange(tvec)) return std::nullopt;
-  return boardPoseNear(camera, board, corners, fromOpenCv(rvec, tvec));
+  return boardPoseNear(camera, view, fromOpenCv(rvec, tvec));
 }
 
-Eigen::Isometry3d boardPoseNear(const Camera::Model& camera, const Board& board,
-                                const std::vector<Eigen::Vector2d>& corners,
+Eigen::Isometry3d boardPoseNear(const Camera::Model& camera, const SeenPoints& view,
                                 const Eigen::Isometry3d& T_camera_board) {
   const CvCamera cv_camera = toOpenCv(camera);
   const Eigen::Vector3d w = rotationVector(T_camera_board.linear()),
                         t = T_camera_board.translation();
   cv::Mat_<double> rvec = (cv::Mat_<double>(3, 1) << w.x(), w.y(), w.z());
   cv::Mat_<double> tvec = (cv::Mat_<double>(3, 1) << t.x(), t.y(), t.z());
-  cv::solvePnP(objectPoints(board), imagePoints(corners), cv_camera.K, cv_camera.distortion, rvec,
-               tvec, true, cv::SOLVEPNP_ITERATIVE);
+  cv::solvePnP(objectPoints(view), imagePoints(view), cv_camera.K, cv_camera.distortion, rvec, tvec,
+               true, cv::SOLVEPNP_ITERATIVE);
   return fromOpenCv(rvec, tvec);
 }
 

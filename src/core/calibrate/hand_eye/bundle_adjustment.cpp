@@ -18,8 +18,8 @@ class ViewCost : public ceres::CostFunction {
  public:
   ViewCost(const HandEyeProblem& problem, const Observation& observation, const Adjusted& state,
            const std::vector<double>& weights)
-      : board_(problem.board), observation_(observation), chain_(state.chain) {
-    set_num_residuals(2 * static_cast<int>(board_.size()));
+      : points_(observation.points(problem.board)), observation_(observation), chain_(state.chain) {
+    set_num_residuals(2 * static_cast<int>(points_.size()));
     *mutable_parameter_block_sizes() = {9, 6, 6, 1, 6};
     for (const double weight : weights)
       roots_.push_back(std::sqrt(weight) / state.noise.effectivePixel());
@@ -32,7 +32,7 @@ class ViewCost : public ceres::CostFunction {
     const Increment increment{Xi(parameters[1]), Xi(parameters[2]), Xi(parameters[4]),
                               parameters[3][0]};
     const auto prediction =
-        predict(chain, observation_.T_base_flange, increment, board_, jacobians != nullptr);
+        predict(chain, observation_.T_base_flange, increment, points_, jacobians != nullptr);
     if (!prediction) return false;
     for (Eigen::Index i = 0; i < prediction->pixels.size(); ++i) {
       const auto corner = static_cast<std::size_t>(i / 2);
@@ -59,7 +59,7 @@ class ViewCost : public ceres::CostFunction {
     }
   }
 
-  const Board& board_;
+  const std::vector<Eigen::Vector3d> points_;
   const Observation& observation_;
   const Chain& chain_;
   std::vector<double> roots_;
@@ -155,12 +155,15 @@ void solveOnce(const HandEyeProblem& problem, const std::vector<const Observatio
 
 }  // namespace
 
-Adjusted startAt(const Chain& chain, const Noise& noise, std::size_t views, std::size_t corners) {
+Adjusted startAt(const Chain& chain, const Noise& noise,
+                 const std::vector<const Observation*>& views) {
   Adjusted state;
   state.chain = chain;
   state.noise = noise;
-  state.corrections.assign(views, Vector6d::Zero());
-  state.weights.assign(views, std::vector<double>(corners, 1.0));
+  for (const Observation* const view : views) {
+    state.corrections.emplace_back(Vector6d::Zero());
+    state.weights.emplace_back(view->corners.size(), 1.0);
+  }
   return state;
 }
 

@@ -14,6 +14,7 @@ Adjusted adjust(const HandEyeProblem& problem, const std::vector<const Observati
                 const Adjusted& start, const AdjustOptions& options);
 
 /// A start without corrections.
-Adjusted startAt(const Chain& chain, const Noise& noise, std::size_t views, std::size_t corners);
+Adjusted startAt(const Chain& chain, const Noise& noise,
+                 const std::vector<const Observation*>& views);
 
 }  // namespace planar_bin_picking

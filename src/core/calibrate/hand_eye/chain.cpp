@@ -122,7 +122,8 @@ Eigen::Isometry3d Chain::cameraBoard(const Eigen::Isometry3d& T_base_flange) con
 }
 
 std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T_base_flange,
-                                  const Increment& increment, const Board& board, bool jacobians) {
+                                  const Increment& increment,
+                                  const std::vector<Eigen::Vector3d>& points, bool jacobians) {
   PoseDerivative T_camera_board;
   if (jacobians) {
     T_camera_board = differentiate(chain, T_base_flange, increment);
@@ -130,14 +131,14 @@ std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T
     T_camera_board.pose = cameraBoard<double>(chain, T_base_flange, stacked(increment));
   }
   const double scale = chain.scale * std::exp(increment.log_scale);
-  const Eigen::Index rows = 2 * static_cast<Eigen::Index>(board.size());
+  const Eigen::Index rows = 2 * static_cast<Eigen::Index>(points.size());
   Prediction out{Eigen::VectorXd(rows), {}, {}};
   if (jacobians) {
     out.shared.resize(rows, kColumns);
     out.correction.resize(rows, 6);
   }
   for (Eigen::Index i = 0; 2 * i < rows; ++i) {
-    const Eigen::Vector3d x = scale * board.corner(static_cast<std::size_t>(i));
+    const Eigen::Vector3d x = scale * points[static_cast<std::size_t>(i)];
     const Eigen::Vector3d turned = T_camera_board.pose.R * x;
     const Eigen::Vector3d p = turned + T_camera_board.pose.t;
     if (!(p.z() > kNearest)) return std::nullopt;
@@ -155,11 +156,16 @@ std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T
   return out;
 }
 
+SeenPoints seenPoints(const Board& board, const Observation& observation) {
+  return {observation.points(board), observation.corners};
+}
+
 std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
                                        const Observation& observation, const Vector6d& correction) {
   Increment increment;
   increment.correction = correction;
-  const auto prediction = predict(chain, observation.T_base_flange, increment, board, false);
+  const auto prediction =
+      predict(chain, observation.T_base_flange, increment, observation.points(board), false);
   std::vector<Eigen::Vector2d> out;
   if (!prediction) return out;
   for (std::size_t i = 0; i < observation.corners.size(); ++i) {

@@ -4,6 +4,7 @@
 
 /// The chain of hand_eye.h, from one robot pose to the board's corners, and its derivatives.
 
+#include "calibrate/board/board_views.h"
 #include "planar_bin_picking/calibrate/hand_eye/hand_eye_problem.h"
 
 #include <array>
@@ -33,17 +34,21 @@ struct Increment {
   double log_scale = 0.0;
 };
 
-/// Predictions of all corners of a view, one row per coordinate (u0 v0 u1 v1 ...).
+/// Predictions of corners of a view, one row per coordinate (u0 v0 u1 v1 ...).
 struct Prediction {
   Eigen::VectorXd pixels;
   Eigen::MatrixXd shared;      ///< by the shared parameters and the scale, kColumns columns
   Eigen::MatrixXd correction;  ///< by the correction, 6 columns
 };
 
+/// @param points     corners of the board, in its frame
 /// @param jacobians  whether to fill the matrices
 /// @return  nothing where a corner is not in front of the camera
 std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T_base_flange,
-                                  const Increment& increment, const Board& board, bool jacobians);
+                                  const Increment& increment,
+                                  const std::vector<Eigen::Vector3d>& points, bool jacobians);
+
+SeenPoints seenPoints(const Board& board, const Observation& observation);
 
 /// Residuals of a view: seen minus predicted. Empty where the prediction fails.
 std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,

@@ -73,8 +73,7 @@ std::optional<Adjusted> solveFrom(const Work& work, const std::array<double, 9>&
   AdjustOptions options = work.options;
   options.free_scale = free_scale;
   Adjusted state =
-      adjust(work.problem, work.views(),
-             startAt(*start, work.noise, work.usable.size(), work.problem.board.size()), options);
+      adjust(work.problem, work.views(), startAt(*start, work.noise, work.views()), options);
   if (!state.converged || state.degenerate) return std::nullopt;
   return state;
 }
@@ -126,8 +125,8 @@ void fillViews(const Work& work, const Adjusted& state, HandEyeResult* result) {
     Chain placed = state.chain;
     placed.mounting = Mounting::kEyeToHand;
     placed.T_mount_camera = Eigen::Isometry3d::Identity();
-    placed.T_other_board =
-        boardPoseNear(result->camera, work.problem.board, observation.corners, view.T_camera_board);
+    placed.T_other_board = boardPoseNear(
+        result->camera, seenPoints(work.problem.board, observation), view.T_camera_board);
     Observation still = observation;
     still.T_base_flange = Eigen::Isometry3d::Identity();
     const auto free = residuals(placed, work.problem.board, still, Vector6d::Zero());
@@ -156,7 +155,10 @@ void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result
   result->robot_deg = state.noise.robot_r / kRadians;
   fillViews(work, state, result);
   if (state.camera_model_error > 0.0) {
-    const auto corners = static_cast<double>(work.usable.size() * work.problem.board.size());
+    double corners = 0.0;
+    for (const Usable& view : work.usable) {
+      corners += static_cast<double>(view.observation.corners.size());
+    }
     const double without =
         std::pow(result->rms_px, 2) -
         state.camera_model_error * std::pow(state.noise.effectivePixel(), 2) / corners;
@@ -216,7 +218,7 @@ std::vector<double> heldOutErrors(const Work& work, const Adjusted& state) {
   std::vector<double> errors(work.usable.size(), 0.0);
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
     std::vector<const Observation*> views;
-    Adjusted start = startAt(state.chain, state.noise, 0, 0);
+    Adjusted start = startAt(state.chain, state.noise, {});
     for (std::size_t i = 0; i < work.usable.size(); ++i) {
       if (i % kFolds == fold) continue;
       views.push_back(&work.usable[i].observation);
@@ -324,9 +326,11 @@ void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findin
 /// The camera as given, or a first one from the corners.
 std::array<double, 9> firstCamera(const HandEyeProblem& problem) {
   if (problem.camera) return fromModel(*problem.camera);
-  std::vector<std::vector<Eigen::Vector2d>> views;
-  for (const Observation& observation : problem.observations) views.push_back(observation.corners);
-  return fromModel(cameraFromBoards(problem.board, views, problem.width, problem.height));
+  std::vector<SeenPoints> views;
+  for (const Observation& observation : problem.observations) {
+    views.push_back(seenPoints(problem.board, observation));
+  }
+  return fromModel(cameraFromBoards(views, problem.width, problem.height));
 }
 
 Noise firstNoise(const HandEyeParams& params) {

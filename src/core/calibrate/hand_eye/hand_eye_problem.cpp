@@ -10,6 +10,36 @@ namespace {
 
 void refuse(const std::string& what) { throw std::invalid_argument("hand-eye: " + what); }
 
+/// As many corners as the board has, or a part of a board whose corners are told apart.
+void checkCorners(const Board& board, const Observation& observation) {
+  const std::size_t count = observation.corners.size();
+  if (observation.ids.empty()) {
+    if (count == board.size()) return;
+    refuse(observation.name + " has " + std::to_string(count) + " corners, the board has " +
+           std::to_string(board.size()));
+  }
+  if (board.kind != Board::Kind::kCharuco) {
+    refuse(observation.name + " has ids of corners, which a board without markers cannot give");
+  }
+  if (observation.ids.size() != count) {
+    refuse(observation.name + " has " + std::to_string(count) + " corners and " +
+           std::to_string(observation.ids.size()) + " ids");
+  }
+  std::vector<bool> is_known(board.size(), false);
+  for (const std::size_t id : observation.ids) {
+    if (id >= board.size() || is_known[id]) {
+      refuse(observation.name + " has the id " + std::to_string(id) +
+             (id < board.size() ? " twice" : ", the board has corners up to ") +
+             (id < board.size() ? "" : std::to_string(board.size() - 1)));
+    }
+    is_known[id] = true;
+  }
+  if (!areEnough(board, observation.ids)) {
+    refuse(observation.name + " has " + std::to_string(count) + " corners, fewer than " +
+           std::to_string(kCornersLeast) + " or nearly in a row");
+  }
+}
+
 }  // namespace
 
 const char* nameOf(Verdict verdict) {
@@ -28,10 +58,7 @@ void validate(const HandEyeProblem& problem) {
     const Camera checked(*problem.camera);
   }
   for (const Observation& observation : problem.observations) {
-    if (observation.corners.size() != problem.board.size()) {
-      refuse(observation.name + " has " + std::to_string(observation.corners.size()) +
-             " corners, the board has " + std::to_string(problem.board.size()));
-    }
+    checkCorners(problem.board, observation);
     bool finite = observation.T_base_flange.matrix().allFinite();
     for (const Eigen::Vector2d& p : observation.corners) finite = finite && p.allFinite();
     if (!finite) refuse(observation.name + " has numbers that are not finite");

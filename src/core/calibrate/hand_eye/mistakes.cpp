@@ -186,7 +186,7 @@ Fit fitWith(const HandEyeProblem& problem, const std::array<double, 9>& intrinsi
     if (chosen[i] == 0) continue;
     observations[i].corners = reordered(observations[i].corners, all[chosen[i]]);
     pairs[i].board =
-        boardPose(camera, problem.board, observations[i].corners).value_or(pairs[i].board);
+        boardPose(camera, seenPoints(problem.board, observations[i])).value_or(pairs[i].board);
   }
   return fit(problem, intrinsics, params, observations, pairs);
 }
@@ -232,7 +232,7 @@ Views viewsOf(const HandEyeProblem& problem, const std::array<double, 9>& intrin
       problem.camera ? *problem.camera : toModel(intrinsics, problem.width, problem.height);
   Views views;
   for (const Observation& observation : problem.observations) {
-    const auto T_camera_board = boardPose(camera, problem.board, observation.corners);
+    const auto T_camera_board = boardPose(camera, seenPoints(problem.board, observation));
     if (!T_camera_board) continue;
     views.observations.push_back(observation);
     views.boards.push_back(*T_camera_board);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace planar_bin_picking {
 namespace {
@@ -17,18 +18,35 @@ namespace {
 /// Beyond so many standard deviations a corner's influence no longer grows (Huber).
 constexpr double kHuber = 2.5;
 
+/// Errors of the board's corners in one view; of those that were not seen nothing.
+using CornerErrors = std::vector<std::optional<Eigen::Vector2d>>;
+
+CornerErrors errorsOnBoard(const Board& board, const Observation& view,
+                           const std::vector<Eigen::Vector2d>& residuals) {
+  CornerErrors errors(board.size());
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    errors[view.ids.empty() ? i : view.ids[i]] = residuals[i];
+  }
+  return errors;
+}
+
 /// Correlation of the errors of corners that are neighbours, over all views; that which independent
 /// errors have by chance is taken off.
-double neighbourCorrelation(const Board& board,
-                            const std::vector<std::vector<Eigen::Vector2d>>& residuals) {
+double neighbourCorrelation(const Board& board, const std::vector<CornerErrors>& views) {
   double products = 0.0, squares = 0.0, pairs = 0.0, corners = 0.0;
   const auto cols = static_cast<std::size_t>(board.cols);
-  for (const std::vector<Eigen::Vector2d>& r : residuals) {
+  for (const CornerErrors& r : views) {
+    const auto addPair = [&](std::size_t i, std::size_t k) {
+      if (!r[k]) return;
+      products += r[i]->dot(*r[k]);
+      pairs += 1.0;
+    };
     for (std::size_t i = 0; i < r.size(); ++i) {
-      squares += r[i].squaredNorm();
+      if (!r[i]) continue;
+      squares += r[i]->squaredNorm();
       corners += 1.0;
-      if (i % cols + 1 < cols) products += r[i].dot(r[i + 1]), pairs += 1.0;
-      if (i + cols < r.size()) products += r[i].dot(r[i + cols]), pairs += 1.0;
+      if (i % cols + 1 < cols) addPair(i, i + 1);
+      if (i + cols < r.size()) addPair(i, i + cols);
     }
   }
   if (!(squares > 0.0) || !(pairs > 0.0)) return 0.0;
@@ -61,11 +79,13 @@ void weighCorners(const HandEyeProblem& problem, const std::vector<const Observa
                   const AdjustOptions& options, Adjusted* state) {
   std::vector<std::vector<double>> distances;
   std::vector<double> all;
-  std::vector<std::vector<Eigen::Vector2d>> errors;
+  std::vector<CornerErrors> errors;
   for (std::size_t i = 0; i < views.size(); ++i) {
     std::vector<double>& of_view = distances.emplace_back();
-    errors.push_back(residuals(state->chain, problem.board, *views[i], state->corrections[i]));
-    for (const auto& r : errors.back()) {
+    const auto of_corners =
+        residuals(state->chain, problem.board, *views[i], state->corrections[i]);
+    errors.push_back(errorsOnBoard(problem.board, *views[i], of_corners));
+    for (const auto& r : of_corners) {
       of_view.push_back(r.norm());
       all.push_back(r.norm());
     }

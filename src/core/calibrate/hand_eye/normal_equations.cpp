@@ -12,13 +12,14 @@ namespace planar_bin_picking {
 namespace {
 
 /// @param observation  without corners: they are as predicted
-std::optional<Normal> normalOf(const Chain& chain, const Noise& noise, const Board& board,
+std::optional<Normal> normalOf(const Chain& chain, const Noise& noise,
+                               const std::vector<Eigen::Vector3d>& points,
                                const Observation& observation, const Vector6d& correction,
                                const std::vector<double>& weights) {
   const std::vector<Eigen::Vector2d>& corners = observation.corners;
   // About the corrected pose, where the correction itself is zero.
   const auto prediction =
-      predict(chain, observation.T_base_flange * exp(correction), Increment(), board, true);
+      predict(chain, observation.T_base_flange * exp(correction), Increment(), points, true);
   if (!prediction) return std::nullopt;
   Eigen::VectorXd w(prediction->pixels.size()), residual = Eigen::VectorXd::Zero(w.size());
   for (Eigen::Index i = 0; i < w.size(); ++i) {
@@ -66,8 +67,8 @@ std::optional<Normals> normalsOf(const HandEyeProblem& problem,
   Normals out;
   out.information = Eigen::MatrixXd::Zero(kColumns, kColumns);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    auto normal = normalOf(state.chain, state.noise, problem.board, *views[i], state.corrections[i],
-                           state.weights[i]);
+    auto normal = normalOf(state.chain, state.noise, views[i]->points(problem.board), *views[i],
+                           state.corrections[i], state.weights[i]);
     if (!normal) return std::nullopt;
     out.information += normal->marginal();
     out.views.push_back(std::move(*normal));
@@ -80,11 +81,12 @@ std::optional<Normals> normalsOf(const HandEyeProblem& problem,
   return out;
 }
 
-Eigen::MatrixXd viewInformation(const Chain& chain, const Noise& noise, const Board& board,
-                                const Eigen::Isometry3d& T_base_flange,
-                                const std::vector<double>& weights) {
+Eigen::MatrixXd viewInformation(const Chain& chain, const Noise& noise,
+                                const std::vector<Eigen::Vector3d>& points,
+                                const Eigen::Isometry3d& T_base_flange) {
+  const std::vector<double> weights(points.size(), 1.0);
   const auto normal =
-      normalOf(chain, noise, board, {"", T_base_flange, {}}, Vector6d::Zero(), weights);
+      normalOf(chain, noise, points, {"", T_base_flange, {}}, Vector6d::Zero(), weights);
   if (!normal) return Eigen::MatrixXd::Zero(kColumns, kColumns);
   return normal->marginal();
 }

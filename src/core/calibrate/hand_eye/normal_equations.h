@@ -32,10 +32,11 @@ std::optional<Normals> normalsOf(const HandEyeProblem& problem,
 
 /// What one view tells about the shared parameters (kColumns square), its robot correction
 /// marginalised.
+/// @param points  the corners that are seen, in the board's frame
 /// @return  zero where the board is not in front of the camera
-Eigen::MatrixXd viewInformation(const Chain& chain, const Noise& noise, const Board& board,
-                                const Eigen::Isometry3d& T_base_flange,
-                                const std::vector<double>& weights);
+Eigen::MatrixXd viewInformation(const Chain& chain, const Noise& noise,
+                                const std::vector<Eigen::Vector3d>& points,
+                                const Eigen::Isometry3d& T_base_flange);
 
 /// The inverse of the information over the estimated columns; the others stay zero.
 /// @return  nothing where it is singular

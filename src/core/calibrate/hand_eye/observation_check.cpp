@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace planar_bin_picking {
@@ -15,10 +16,20 @@ namespace {
 
 constexpr double kRadians = 3.14159265358979323846 / 180.0;
 
+/// How far the corners moved that both saw; far, where there is none.
 double meanShift(const Observation& a, const Observation& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.corners.size(); ++i) sum += (a.corners[i] - b.corners[i]).norm();
-  return sum / static_cast<double>(a.corners.size());
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < a.corners.size(); ++i) {
+    std::size_t k = i;
+    if (!a.ids.empty()) {
+      const auto same = std::find(b.ids.begin(), b.ids.end(), a.ids[i]);
+      if (same == b.ids.end()) continue;
+      k = static_cast<std::size_t>(same - b.ids.begin());
+    }
+    sum += (a.corners[i] - b.corners[k]).norm();
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : std::numeric_limits<double>::infinity();
 }
 
 /// Pairs of the same robot pose whose boards stand elsewhere in the image.
@@ -79,7 +90,7 @@ std::vector<Usable> checkObservations(const HandEyeProblem& problem, const HandE
   std::vector<Usable> usable;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const Observation& observation = problem.observations[i];
-    const auto T_camera_board = boardPose(camera, problem.board, observation.corners);
+    const auto T_camera_board = boardPose(camera, seenPoints(problem.board, observation));
     if (T_camera_board) {
       const Eigen::Isometry3d robot = robotSide(problem.mounting, observation.T_base_flange);
       usable.push_back({i, observation, {robot, *T_camera_board}});
@@ -96,7 +107,7 @@ std::vector<Usable> checkObservations(const HandEyeProblem& problem, const HandE
     if (chosen[i] == 0) continue;
     view.observation.corners = reordered(view.observation.corners, all[chosen[i]]);
     view.poses.board =
-        boardPose(camera, problem.board, view.observation.corners).value_or(view.poses.board);
+        boardPose(camera, seenPoints(problem.board, view.observation)).value_or(view.poses.board);
     motions[i] = view.poses;
   }
   findStale(usable, findings);

@@ -30,7 +30,7 @@ Eigen::Matrix<double, 6, 15> partByCalibration(const Chain& chain,
   const Board part{2, 2, 0.1 * T_camera_part.translation().z()};
   seen.T_other_board.translation() = Eigen::Vector3d(-0.5, -0.5, 0.0) * part.square;
   Eigen::Matrix<double, 6, 15> out = Eigen::Matrix<double, 6, 15>::Zero();
-  const auto prediction = predict(seen, T_camera_part, Increment(), part, true);
+  const auto prediction = predict(seen, T_camera_part, Increment(), part.points(), true);
   if (!prediction) return out;
   // The pixels stay: what the intrinsics move, the pose has to move back.
   out.leftCols<9>() = -prediction->correction.colPivHouseholderQr().solve(

@@ -36,7 +36,8 @@ class HandEyeModel : public testing::TestWithParam<bool> {
 };
 
 TEST_P(HandEyeModel, PredictsWhatTheCellShows) {
-  const auto prediction = predict(trueChain(cell_), observation_.T_base_flange, {}, board_, false);
+  const auto prediction =
+      predict(trueChain(cell_), observation_.T_base_flange, {}, board_.points(), false);
   ASSERT_TRUE(prediction);
   for (std::size_t i = 0; i < board_.size(); ++i) {
     const Eigen::Vector2d p = prediction->pixels.segment<2>(2 * static_cast<Eigen::Index>(i));
@@ -50,7 +51,7 @@ TEST_P(HandEyeModel, PredictsWhatARationalCameraShows) {
   const Camera camera(toModel(chain, cell_.camera.width, cell_.camera.height));
   ASSERT_EQ(camera.model().distortion_model, "rational_polynomial");
   EXPECT_EQ(denominatorOf(camera.model()), chain.denominator);
-  const auto prediction = predict(chain, observation_.T_base_flange, {}, board_, false);
+  const auto prediction = predict(chain, observation_.T_base_flange, {}, board_.points(), false);
   ASSERT_TRUE(prediction);
   const Eigen::Isometry3d T_camera_board = chain.cameraBoard(observation_.T_base_flange);
   for (std::size_t i = 0; i < board_.size(); ++i) {
@@ -74,7 +75,7 @@ TEST_P(HandEyeModel, JacobiansEqualDifferences) {
     Chain moved_chain = chain;
     for (int i = 0; i < 9; ++i) moved_chain.intrinsics[static_cast<std::size_t>(i)] = x[i];
     const Increment increment{x.segment<6>(kHandEye), x.segment<6>(kBoard), x.tail<6>(), x[kScale]};
-    return *predict(moved_chain, observation_.T_base_flange, increment, board_, jacobians);
+    return *predict(moved_chain, observation_.T_base_flange, increment, board_.points(), jacobians);
   };
   const Prediction prediction = full(at, true);
   EXPECT_LT((prediction.pixels - full(at, false).pixels).norm(), 1e-9);
@@ -94,7 +95,7 @@ TEST_P(HandEyeModel, JacobiansEqualDifferences) {
 TEST_P(HandEyeModel, HasNoImageOfWhatIsBehind) {
   Chain chain = trueChain(cell_);
   chain.T_mount_camera = chain.T_mount_camera * Eigen::AngleAxisd(3.14, Eigen::Vector3d::UnitX());
-  EXPECT_FALSE(predict(chain, observation_.T_base_flange, {}, board_, true));
+  EXPECT_FALSE(predict(chain, observation_.T_base_flange, {}, board_.points(), true));
 }
 
 INSTANTIATE_TEST_SUITE_P(BothMountings, HandEyeModel, testing::Bool());
