@@ -8,7 +8,9 @@
 #include "command_line.h"
 #include "read_image.h"
 
-#include "planar_bin_picking/calibrate/board/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/board_file.h"
+#include "planar_bin_picking/calibrate/board/find_board.h"
+#include "planar_bin_picking/calibrate/board/missing_board.h"
 #include "planar_bin_picking/calibrate/calibration_file.h"
 #include "planar_bin_picking/image/camera_file.h"
 
@@ -20,20 +22,26 @@ namespace {
 const char kName[] = "calibrate_samples";
 
 struct Options {
-  std::string board, mode, samples, camera_info, output;
+  std::string board, board_file, mode, samples, camera_info, output;
   double square = 0.0;
   std::string replace_good = "no";
 };
 
 void addOptions(CLI::App* app, Options* options) {
-  app->add_option("--board", options->board,
-                  "inner corners of the checkerboard, along its rows x along its columns")
-      ->required()
-      ->type_name("CxR");
-  app->add_option("--square", options->square, "side of a square, metres")
-      ->required()
-      ->type_name("M")
-      ->check(wrongMetres);
+  auto* const board =
+      app->add_option("--board", options->board,
+                      "inner corners of a checkerboard, along its rows x along its columns")
+          ->type_name("CxR");
+  auto* const square = app->add_option("--square", options->square, "side of a square, metres")
+                           ->type_name("M")
+                           ->check(wrongMetres);
+  auto* const file = app->add_option("--board-file", options->board_file,
+                                     "in place of these two: the board as YAML, also with markers "
+                                     "(ChArUco)")
+                         ->type_name("F")
+                         ->check(wrongPath);
+  board->needs(square)->excludes(file);
+  square->needs(board)->excludes(file);
   app->add_option("--mode", options->mode,
                   "eye_in_hand: the camera is on the flange, the board stands still; eye_to_hand: "
                   "the camera stands still, the board is on the flange")
@@ -91,7 +99,8 @@ Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mount
     }
     const BoardObservation observation = findBoard(image, board, kBlurMaxPx);
     if (observation.status == BoardObservation::Status::kFound) {
-      seen.problem.observations.push_back({sample.name, sample.T_base_flange, observation.corners});
+      seen.problem.observations.push_back(
+          {sample.name, sample.T_base_flange, observation.corners, observation.ids});
     } else {
       const bool blurred = observation.status == BoardObservation::Status::kBlurred;
       seen.without_board.push_back(sample.name + (blurred ? ": blurred" : ": no board found"));
@@ -154,7 +163,11 @@ void print(const HandEyeResult& result, const Seen& seen) {
 }
 
 int run(const Options& options) {
-  const Board board = parseBoard(options.board, options.square);
+  if (options.board.empty() && options.board_file.empty()) {
+    throw std::invalid_argument("give --board and --square, or --board-file");
+  }
+  const Board board = options.board_file.empty() ? parseBoard(options.board, options.square)
+                                                 : loadBoard(options.board_file);
   const Mounting mounting =
       options.mode == "eye_in_hand" ? Mounting::kEyeInHand : Mounting::kEyeToHand;
   const std::vector<Sample> samples = loadSamples(options.samples);

@@ -5,7 +5,8 @@
 /// Calibrations that must be refused: how many are.
 
 #include "calibration_statistics.h"
-#include "planar_bin_picking/calibrate/board/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/find_board.h"
+#include "planar_bin_picking/calibrate/board/missing_board.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 /// [ROBOT_MM ROBOT_DEG]]`
 
 #include "calibrate/samples_file.h"
-#include "planar_bin_picking/calibrate/board/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/find_board.h"
 #include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
 
 #include <opencv2/imgcodecs.hpp>

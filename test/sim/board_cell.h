@@ -22,6 +22,9 @@ struct BoardCell {
       2448, 2048, 3470.0, 3466.0, 1199.1, 1040.5, {-0.105, 0.065, -5e-4, 4e-4, 0.01}};
   int cols = 9, rows = 6;  // inner corners
   double square = 0.02;    // metres
+  double marker = 0.0;     // metres
+  /// Modules of the markers (0 dark) in the light squares, row by row; none: a plain checkerboard.
+  std::vector<cv::Mat_<unsigned char>> markers{};
   Eigen::Isometry3d T_mount_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_other_board = Eigen::Isometry3d::Identity();
   double corner_px = 0.05;                 // noise of a corner's coordinate
@@ -116,6 +119,35 @@ inline Eigen::Isometry3d reported(const BoardCell& cell, const Eigen::Isometry3d
   return T_base_flange * exp(xi);
 }
 
+/// Squares from the first inner corner.
+inline Ring rectangleOf(const BoardCell& cell, double x0, double y0, double x1, double y1) {
+  const double s = 1e3 * cell.square;
+  return {{s * x0, -s * y0}, {s * x0, -s * y1}, {s * x1, -s * y1}, {s * x1, -s * y0}};
+}
+
+inline void addMarkers(const BoardCell& cell, const Lying& board, Coverage* black,
+                       Coverage* white) {
+  const double rim = 0.5 * (1.0 - cell.marker / cell.square);
+  std::size_t number = 0;
+  for (int row = -1; row < cell.rows && !cell.markers.empty(); ++row) {
+    for (int col = -1; col < cell.cols; ++col) {
+      if ((row + col) % 2 == 0) continue;
+      const cv::Mat_<unsigned char>& modules = cell.markers.at(number++);
+      const double module = cell.marker / cell.square / modules.rows;
+      const double left = col + rim, top = row + rim;
+      addRing(cell.camera, board, rectangleOf(cell, left, top, col + 1 - rim, row + 1 - rim), 0.0,
+              black);
+      for (int v = 0; v < modules.rows; ++v) {
+        for (int u = 0; u < modules.cols; ++u) {
+          if (modules(v, u) == 0) continue;
+          const double x = left + u * module, y = top + v * module;
+          addRing(cell.camera, board, rectangleOf(cell, x, y, x + module, y + module), 0.0, white);
+        }
+      }
+    }
+  }
+}
+
 /// The picture of the board on a grey ground, 8 bit.
 inline cv::Mat takeBoardImage(const BoardCell& cell, const Eigen::Isometry3d& T_camera_board,
                               double blur_px, double noise, int seed) {
@@ -123,12 +155,11 @@ inline cv::Mat takeBoardImage(const BoardCell& cell, const Eigen::Isometry3d& T_
   Lying board;
   board.T_camera_part =
       T_camera_board * rigid(Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal(), {0.0, 0.0, 0.0});
-  const double s = 1e3 * cell.square;
-  const auto rectangle = [s](double x0, double y0, double x1, double y1) {
-    return Ring{{s * x0, -s * y0}, {s * x0, -s * y1}, {s * x1, -s * y1}, {s * x1, -s * y0}};
+  const auto rectangle = [&cell](double x0, double y0, double x1, double y1) {
+    return rectangleOf(cell, x0, y0, x1, y1);
   };
   cv::Mat_<float> image(cell.camera.height, cell.camera.width, 90.0F);
-  Coverage paper(cell.camera.width, cell.camera.height), black = paper;
+  Coverage paper(cell.camera.width, cell.camera.height), black = paper, white = paper;
   addRing(cell.camera, board, rectangle(-1.7, -1.7, cell.cols + 0.7, cell.rows + 0.7), 0.0, &paper);
   for (int row = -1; row < cell.rows; ++row) {
     for (int col = -1; col < cell.cols; ++col) {
@@ -136,8 +167,10 @@ inline cv::Mat takeBoardImage(const BoardCell& cell, const Eigen::Isometry3d& T_
       addRing(cell.camera, board, rectangle(col, row, col + 1, row + 1), 0.0, &black);
     }
   }
+  addMarkers(cell, board, &black, &white);
   paper.paint(220.0, &image);
   black.paint(30.0, &image);
+  white.paint(220.0, &image);
   if (blur_px > 0.0) cv::GaussianBlur(image, image, {}, blur_px);
   if (noise > 0.0) {
     cv::Mat_<float> grain(image.size());

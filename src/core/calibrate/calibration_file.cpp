@@ -5,6 +5,7 @@
 #include "base/atomic_file.h"
 #include "base/yaml_file.h"
 #include "calibrate/calibration_report.h"
+#include "planar_bin_picking/calibrate/board/board_file.h"
 
 #include <cmath>
 #include <ctime>
@@ -149,6 +150,7 @@ void putViews(YAML::Emitter& out, const HandEyeProblem& problem, const HandEyeRe
     put(out, "name", problem.observations[i].name);
     put(out, "used", view.used);
     if (view.used) {
+      put(out, "corners", static_cast<int>(problem.observations[i].corners.size()));
       put(out, "rms_px", view.rms_px);
       put(out, "robot_off_mm", 1e3 * view.correction.head<3>().norm());
     } else {
@@ -169,6 +171,7 @@ std::string calibrationYaml(const HandEyeProblem& problem, const HandEyeResult& 
   putList(out, "image_size", {1.0 * problem.width, 1.0 * problem.height});
   put(out, "board", std::to_string(problem.board.cols) + "x" + std::to_string(problem.board.rows));
   put(out, "square", problem.board.square);
+  put(out, "board_kind", nameOf(problem.board.kind));
   out << YAML::Key << "reasons" << YAML::Value << YAML::BeginSeq;
   for (const std::string& reason : result.reasons) out << reason;
   out << YAML::EndSeq;

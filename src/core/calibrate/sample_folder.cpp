@@ -4,6 +4,7 @@
 
 #include "base/atomic_file.h"
 #include "base/yaml_file.h"
+#include "planar_bin_picking/calibrate/board/board_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,14 +61,24 @@ std::string cornersYaml(const SampleSet& set) {
   const HandEyeProblem& problem = set.problem;
   std::ostringstream text = classicText();
   text << "mounting: " << (problem.mounting == Mounting::kEyeInHand ? "eye_in_hand" : "eye_to_hand")
-       << "\nboard: " << problem.board.cols << "x" << problem.board.rows
-       << "\nsquare: " << problem.board.square << "\nimage_size: [" << problem.width << ", "
-       << problem.height << "]\ncamera_frame: " << quoted(set.camera_frame) << "\nsamples:\n";
+       << "\nkind: " << nameOf(problem.board.kind) << "\nboard: " << problem.board.cols << "x"
+       << problem.board.rows << "\nsquare: " << problem.board.square << "\nimage_size: ["
+       << problem.width << ", " << problem.height
+       << "]\ncamera_frame: " << quoted(set.camera_frame);
+  if (problem.board.kind == Board::Kind::kCharuco) {
+    text << "\nmarker: " << problem.board.marker
+         << "\ndictionary: " << quoted(problem.board.dictionary);
+  }
+  text << "\nsamples:\n";
   for (const Observation& observation : problem.observations) {
     std::vector<double> corners;
     for (const Eigen::Vector2d& p : observation.corners)
       corners.insert(corners.end(), {p.x(), p.y()});
-    text << "- {" << poseText(observation) << ", corners: " << listOf(corners) << "}\n";
+    text << "- {" << poseText(observation) << ", corners: " << listOf(corners);
+    if (!observation.ids.empty()) {
+      text << ", ids: " << listOf({observation.ids.begin(), observation.ids.end()});
+    }
+    text << "}\n";
   }
   return text.str();
 }
@@ -84,7 +95,7 @@ std::vector<double> numbers(const YAML::Node& node, const std::string& where,
 
 Observation readObservation(const YAML::Node& node, const std::string& where, const Board& board) {
   if (!node.IsMap()) throw std::runtime_error(where + ": is no map");
-  refuseUnknownKeys(node, where, {"image", "position", "orientation", "corners"});
+  refuseUnknownKeys(node, where, {"image", "position", "orientation", "corners", "ids"});
   Observation observation;
   observation.name = valueAs<std::string>(node["image"], where, "image", "the path of a picture");
   const auto p = numbers(node, where, "position", 3), o = numbers(node, where, "orientation", 4);
@@ -93,7 +104,15 @@ Observation readObservation(const YAML::Node& node, const std::string& where, co
     throwBadValue(where, "orientation", node["orientation"], "a quaternion x y z w of length 1");
   }
   observation.T_base_flange = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
-  const auto corners = numbers(node, where, "corners", 2 * board.size());
+  if (node["ids"].IsDefined()) {
+    const std::string expected = "numbers of the board's corners";
+    for (const int id : valueAs<std::vector<int>>(node["ids"], where, "ids", expected)) {
+      if (id < 0) throwBadValue(where, "ids", node["ids"], expected);
+      observation.ids.push_back(static_cast<std::size_t>(id));
+    }
+  }
+  const std::size_t count = observation.ids.empty() ? board.size() : observation.ids.size();
+  const auto corners = numbers(node, where, "corners", 2 * count);
   for (std::size_t i = 0; i < corners.size(); i += 2) {
     observation.corners.emplace_back(corners[i], corners[i + 1]);
   }
@@ -102,7 +121,8 @@ Observation readObservation(const YAML::Node& node, const std::string& where, co
 
 SampleSet readSet(const YAML::Node& root, const std::string& path) {
   refuseUnknownKeys(root, path,
-                    {"mounting", "board", "square", "image_size", "camera_frame", "samples"});
+                    {"mounting", "kind", "board", "square", "marker", "dictionary", "image_size",
+                     "camera_frame", "samples"});
   SampleSet set;
   HandEyeProblem& problem = set.problem;
   const auto mounting =
@@ -113,6 +133,14 @@ SampleSet readSet(const YAML::Node& root, const std::string& path) {
   problem.mounting = mounting == "eye_in_hand" ? Mounting::kEyeInHand : Mounting::kEyeToHand;
   const auto square = valueAs<double>(root["square"], path, "square", "metres");
   problem.board = parseBoard(valueAs<std::string>(root["board"], path, "board", "as 9x6"), square);
+  if (root["kind"].IsDefined()) {
+    problem.board.kind = parseKind(valueAs<std::string>(root["kind"], path, "kind", "a kind"));
+  }
+  if (problem.board.kind == Board::Kind::kCharuco) {
+    problem.board.marker = valueAs<double>(root["marker"], path, "marker", "metres");
+    problem.board.dictionary =
+        valueAs<std::string>(root["dictionary"], path, "dictionary", "one of OpenCV's");
+  }
   const auto size = numbers(root, path, "image_size", 2);
   problem.width = static_cast<int>(size[0]);
   problem.height = static_cast<int>(size[1]);

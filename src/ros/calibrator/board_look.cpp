@@ -17,7 +17,7 @@ using planar_bin_picking::HandEyeProblem;
 BoardLook::BoardLook(const CalibratorParams& params, ImageSource* source,
                      const TransformBuffer* tf_buffer, std::function<void()> check_stop)
     : params_(params),
-      board_(planar_bin_picking::parseBoard(params.board, params.square)),
+      board_(params.boardValue()),
       source_(source),
       tf_buffer_(tf_buffer),
       check_stop_(std::move(check_stop)) {}

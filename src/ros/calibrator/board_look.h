@@ -6,7 +6,7 @@
 
 #include "calibrator/calibrator_params.h"
 #include "input/image_source.h"
-#include "planar_bin_picking/calibrate/board/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/find_board.h"
 #include "shared/transforms.h"
 
 #include <opencv2/core/mat.hpp>

@@ -118,7 +118,8 @@ void CalibrationDrive::visit(const Eigen::Isometry3d& T_base_target) {
     return;
   }
   const bool is_known = run_.isKnown(seen.T_base_flange);
-  run_.seen({is_known ? "" : listener_.keep(seen), seen.T_base_flange, seen.board.corners});
+  run_.seen({is_known ? "" : listener_.keep(seen), seen.T_base_flange, seen.board.corners,
+             seen.board.ids});
 }
 
 std::string CalibrationDrive::goBack() {

@@ -43,7 +43,7 @@ void CalibrationVerifier::remember(const Look& look) {
   };
   views_.erase(std::remove_if(views_.begin(), views_.end(), is_gone), views_.end());
   if (views_.size() == kViewsMost) views_.erase(views_.begin());
-  views_.push_back({{"this view", look.T_base_flange, look.board.corners}, now});
+  views_.push_back({{"this view", look.T_base_flange, look.board.corners, look.board.ids}, now});
 }
 
 CalibrationVerifier::Calibration CalibrationVerifier::calibration(

@@ -7,7 +7,7 @@
 
 #include "calibrator/calibrator_params.h"
 #include "input/image_inbox.h"
-#include "planar_bin_picking/calibrate/board/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/find_board.h"
 
 #include <opencv2/core/mat.hpp>
 

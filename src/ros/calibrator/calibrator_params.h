@@ -4,7 +4,7 @@
 
 /// Everything below `~calibrator`; see config/calibrator.yaml. Defaults stand in the structs alone.
 
-#include "planar_bin_picking/calibrate/board/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/find_board.h"
 #include "planar_bin_picking/calibrate/calibration_run.h"
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -17,6 +17,7 @@ struct CalibratorParams {
   std::string mounting = "eye_in_hand";  ///< or eye_to_hand
   std::string board = "9x6";             ///< inner corners
   double square = 0.0;                   ///< side of a square, metres; must be set
+  std::string board_file;                ///< in place of these two: the board as YAML
   std::string base_frame = "base", flange_frame = "flange";
   std::string camera_frame;  ///< in the result; "" = the image's
   std::string camera_name = "camera";
@@ -42,6 +43,7 @@ struct CalibratorParams {
     visit("mounting", self.mounting);
     visit("board", self.board);
     visit("square", self.square, 0.0, 10.0);
+    visit("board_file", self.board_file);
     visit("base_frame", self.base_frame);
     visit("flange_frame", self.flange_frame);
     visit("camera_frame", self.camera_frame);
@@ -70,6 +72,8 @@ struct CalibratorParams {
   }
 
   planar_bin_picking::Mounting mountingValue() const;  ///< @pre validated
+  /// @throws std::runtime_error  the board's file: what is wrong with it
+  planar_bin_picking::Board boardValue() const;
 };
 
 /// @throws std::invalid_argument  naming the key, its value and what it must be

@@ -55,7 +55,8 @@ std::string SampleStore::add(const Look& look, const HandEyeProblem& empty) {
   if (!set_) begin(empty, look.frame);
   checkCamera(*set_, look);
   const std::string name = SampleFolder::nextName(*set_);
-  set_->problem.observations.push_back({name, look.T_base_flange, look.board.corners});
+  set_->problem.observations.push_back(
+      {name, look.T_base_flange, look.board.corners, look.board.ids});
   folder_.add(*set_, pngOf(look.image));
   return name;
 }
@@ -79,9 +80,7 @@ void SampleStore::remove(std::size_t number) {
 
 void SampleStore::load() {
   SampleSet set = folder_.load();
-  const auto board = planar_bin_picking::parseBoard(params_.board, params_.square);
-  const auto& other = set.problem.board;
-  if (other.cols != board.cols || other.rows != board.rows || other.square != board.square ||
+  if (set.problem.board != params_.boardValue() ||
       set.problem.mounting != params_.mountingValue()) {
     throw std::runtime_error("the samples in " + params_.output_folder +
                              " are of another board or mounting than the parameters say; correct "

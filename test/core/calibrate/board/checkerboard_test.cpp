@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "planar_bin_picking/calibrate/board/checkerboard.h"
+#include "planar_bin_picking/calibrate/board/find_board.h"
+#include "planar_bin_picking/calibrate/board/missing_board.h"
 #include "sim/board_cell.h"
+#include "support/board_problem.h"
 #include "support/matchers.h"
 
 #include <gtest/gtest.h>
@@ -26,8 +28,6 @@ Eigen::Isometry3d tilted(const sim::BoardCell& cell, double yaw_deg) {
                                 .toRotationMatrix();
   return rigid(R, Eigen::Vector3d(0.01, -0.01, 0.5) - R * cell.centre());
 }
-
-Board boardOf(const sim::BoardCell& cell) { return {cell.cols, cell.rows, cell.square}; }
 
 /// RMS distance to the true corners in the ordering that fits best; which one, too.
 std::pair<double, std::size_t> error(const sim::BoardCell& cell,
