@@ -3,6 +3,7 @@
 #include "locator/locator_ros.h"
 
 #include "locator/bin_range.h"
+#include "locator/conclusion.h"
 #include "locator/load_params.h"
 #include "locator/plane_frame.h"
 #include "planar_bin_picking/image/camera_file.h"
@@ -101,28 +102,6 @@ std::string dropUnsuitable(const Camera& camera, LocateRequest* request) {
   if (suitable.empty()) throw Refusal(LocatePart::Response::BAD_PART_SIZE, text);
   request->parts = suitable;
   return text;
-}
-
-/// How many poses the plane ruled out.
-std::size_t offPlane(const planar_bin_picking::Report& report) {
-  const auto& stages = report.stages;
-  for (std::size_t i = 1; i < stages.size(); ++i)
-    if (stages[i].name == "plane") return stages[i - 1].out - stages[i].out;
-  return 0;
-}
-
-std::string nothingFound(const double threshold, const LocateRequest& request,
-                         const planar_bin_picking::Report& report) {
-  char text[300];
-  std::snprintf(text, sizeof text,
-                "nothing scored %.2f or more between %.3f and %.3f m from the camera; if there are "
-                "parts, look at ~overlay, check light, focus and these distances",
-                threshold, request.distance_min, request.distance_max);
-  const std::size_t off = offPlane(report);
-  if (off == 0) return text;
-  return text +
-         ("; " + std::to_string(off) + " poses lay off the plane: check where it is said to " +
-          "be, and the parts' thickness_mm");
 }
 
 }  // namespace
@@ -275,23 +254,8 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   watch.lap("publish");
   response.parts = std::move(offered.parts);
   response.refused = std::move(offered.refused);
-  conclude(locate_request, report, offered.hint, response);
+  conclude({locate_request, report, locator_.params().score.threshold, offered.hint}, &response);
   if (!unsuitable.empty()) response.message += "; not looked for: " + unsuitable;
-}
-
-void LocatorRos::conclude(const LocateRequest& request, const planar_bin_picking::Report& report,
-                          const std::string& hint, Response& response) const {
-  if (!response.parts.empty()) {
-    response.status = Response::OK;
-    response.message = std::to_string(response.parts.size()) + " located";
-  } else if (!response.refused.empty()) {
-    response.status = Response::DEADLOCK;
-    response.message = "none of " + std::to_string(response.refused.size()) +
-                       " located parts can be offered: " + hint;
-  } else {
-    response.status = Response::NO_PART_FOUND;
-    response.message = nothingFound(locator_.params().score.threshold, request, report);
-  }
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {

@@ -60,10 +60,6 @@ class LocatorRos {
   planar_bin_picking::LocateRequest makeRequest(const Request& request, const Answer& answer) const;
   PickKeeper::Frames pickFrames(const std_msgs::Header& answer,
                                 const Eigen::Isometry3d& T_target_camera) const;
-  /// Status and message of a call that got as far as looking at the image.
-  void conclude(const planar_bin_picking::LocateRequest& request,
-                const planar_bin_picking::Report& report, const std::string& hint,
-                Response& response) const;
 
   const planar_bin_picking::Locator locator_;
   const CellParams cell_;

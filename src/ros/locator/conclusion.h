@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Status and message of a call that got as far as looking at the image.
+
+#include "planar_bin_picking/locate/locate_request.h"
+
+#include <planar_bin_picking/LocatePart.h>
+
+#include <string>
+
+namespace planar_bin_picking_ros {
+
+struct Look {
+  const planar_bin_picking::LocateRequest& request;
+  const planar_bin_picking::Report& report;
+  double threshold = 0.0;  ///< score from which on a part is found
+  std::string hint;        ///< what to do where all were refused
+};
+
+/// @param response  has the offered and the refused parts in it
+void conclude(const Look& look, planar_bin_picking::LocatePart::Response* response);
+
+}  // namespace planar_bin_picking_ros
