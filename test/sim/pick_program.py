@@ -23,7 +23,7 @@ ABOVE = 0.15  # m, over the part before and after the pick, along the tool's str
 IMAGES = 3  # in a row without a part that could be picked: then the bin needs somebody
 # With any other status the cell is not set up as it should be, and somebody has to mend it first.
 MAY_HELP_TO_ASK_AGAIN = (LocatePartResponse.OK, LocatePartResponse.NO_PART_FOUND,
-                         LocatePartResponse.DEADLOCK, LocatePartResponse.NO_IMAGE,
+                         LocatePartResponse.EMPTY, LocatePartResponse.DEADLOCK, LocatePartResponse.NO_IMAGE,
                          LocatePartResponse.BAD_IMAGE, LocatePartResponse.NO_TRANSFORM)
 
 

@@ -29,6 +29,7 @@ MAY_INCLUDE = {
     "locate/prior": BELOW_STAGES | {"locate/evidence"},  # what is known besides the image
     **{stage: BELOW_STAGES | {"locate/evidence", "locate/prior"} for stage in STAGES},  # none includes another
     "locate": BELOW_LOCATOR,
+    "bin": {"base", "camera"},  # the bin itself, without parts
     "pick": BELOW_LOCATOR | {"locate"},
     "show": BELOW_LOCATOR | {"locate"},
     "calibrate/board": {"base", "camera"},

@@ -15,6 +15,23 @@
 
 namespace planar_bin_picking_ros {
 
+using planar_bin_picking::Detection;
+
+namespace {
+
+/// The part's outer contour, camera frame.
+std::vector<Eigen::Vector3d> outlineOf(const Answer& answer, const Detection& detection) {
+  const planar_bin_picking::PartModel& part = *answer.parts[detection.part];
+  std::vector<Eigen::Vector3d> points;
+  for (const Eigen::Vector2d& p : part.file().drawing.loops.front().points) {
+    points.push_back(detection.T_camera_part *
+                     Eigen::Vector3d(p.x(), p.y(), part.faceZ(detection.face)));
+  }
+  return points;
+}
+
+}  // namespace
+
 DistanceRange distanceRange(const CellParams& cell, const Eigen::Isometry3d& T_camera_bin) {
   DistanceRange range{std::numeric_limits<double>::infinity(),
                       -std::numeric_limits<double>::infinity()};
@@ -41,6 +58,19 @@ DistanceRange distanceRange(const CellParams& cell, const Eigen::Isometry3d& T_c
                       "; check ~cell/bin_frame, bin_min, bin_max and where the camera stands");
   }
   return range;
+}
+
+planar_bin_picking::FloorCover lookIntoBin(const CellParams& cell,
+                                           const Eigen::Isometry3d& T_camera_bin,
+                                           const Answer& answer) {
+  planar_bin_picking::BinBox box{T_camera_bin, Eigen::Vector3d(cell.bin_min.data()),
+                                 Eigen::Vector3d(cell.bin_max.data())};
+  std::vector<std::vector<Eigen::Vector3d>> located;
+  for (const Detection& detection : answer.result.detections)
+    located.push_back(outlineOf(answer, detection));
+  for (const auto& withheld : answer.result.withheld)
+    located.push_back(outlineOf(answer, withheld.detection));
+  return planar_bin_picking::findFloorCover(answer.grey, answer.camera, box, located);
 }
 
 }  // namespace planar_bin_picking_ros

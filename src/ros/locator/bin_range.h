@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// How near and how far a bin reaches along the optical axis.
+/// A cell's bin as the camera sees it: how near and how far it reaches, and how much lies in it.
 
+#include "locator/answer/answer.h"
 #include "locator/cell_params.h"
+#include "planar_bin_picking/bin/floor_cover.h"
 
 #include <Eigen/Geometry>
 
@@ -18,5 +20,11 @@ struct DistanceRange {
 /// @throws Refusal  BAD_BIN: a corner lies beside or behind the camera, or the box reaches nearer,
 ///         farther or over a larger ratio of distances than parts can be looked for in
 DistanceRange distanceRange(const CellParams& cell, const Eigen::Isometry3d& T_camera_bin);
+
+/// How much of the bin's floor is covered in the picture of an answer, by whatever it is.
+/// @param answer  with all that was found in it
+planar_bin_picking::FloorCover lookIntoBin(const CellParams& cell,
+                                           const Eigen::Isometry3d& T_camera_bin,
+                                           const Answer& answer);
 
 }  // namespace planar_bin_picking_ros

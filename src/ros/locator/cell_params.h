@@ -25,6 +25,8 @@ struct CellParams {
   /// it, metres. The distances then follow the camera.
   std::string bin_frame;
   std::vector<double> bin_min, bin_max;
+  /// m; what is longer and lies on the bin's floor is something, shorter edges are its own marks.
+  double empty_mark = 0.02;
   /// Parts lie in a single layer on the plane z = 0 of this frame, such as a conveyor's; "" = no
   /// such plane is known, but for ~locator/plane.
   std::string plane_frame;
@@ -50,6 +52,7 @@ struct CellParams {
     visit("bin_frame", self.bin_frame);
     visit("bin_min", self.bin_min);
     visit("bin_max", self.bin_max);
+    visit("empty_mark", self.empty_mark, 0.0, 1.0);
     visit("plane_frame", self.plane_frame);
     visit("trigger_service", self.trigger_service);
     visit("trigger_timeout", self.trigger_timeout, 0.01, 3600.0);

@@ -181,6 +181,7 @@ LocatorRos::~LocatorRos() {
 bool LocatorRos::serve(Event<LocatePart>& event) {
   const Request& request = event.getRequest();
   Response& response = event.getResponse();
+  response.filling = -1.0;
   try {
     answer(event.getCallerName(), request, response);
     ROS_INFO_STREAM("locate_part '" << request.part << "': " << response.message);
@@ -247,6 +248,11 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   const planar_bin_picking::Report report = answer.result.report;
   watch.lap(report.stages);
 
+  planar_bin_picking::FloorCover cover;
+  if (frames.bin) {
+    cover = lookIntoBin(cell_, (frames.bin->T_bin_target * T_target_camera).inverse(), answer);
+    watch.lap("floor");
+  }
   const auto publish = [this](Answer sorted) {
     return publisher_.publish(std::move(sorted))->located;
   };
@@ -254,7 +260,8 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   watch.lap("publish");
   response.parts = std::move(offered.parts);
   response.refused = std::move(offered.refused);
-  conclude({locate_request, report, locator_.params().score.threshold, offered.hint}, &response);
+  conclude({locate_request, report, locator_.params().score.threshold, offered.hint, cell_, cover},
+           &response);
   if (!unsuitable.empty()) response.message += "; not looked for: " + unsuitable;
 }
 
