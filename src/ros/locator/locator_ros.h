@@ -12,7 +12,7 @@
 #include "input/image_source.h"
 #include "locator/answer/answer_publisher.h"
 #include "locator/cell_params.h"
-#include "locator/part_library.h"
+#include "locator/parts/part_library.h"
 #include "locator/pick_keeper.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "shared/transform_listener.h"

@@ -6,7 +6,7 @@
 #include "calibrator/calibrator_params.h"
 #include "hdr/hdr_node_params.h"
 #include "locator/load_params.h"
-#include "locator/part_library.h"
+#include "locator/parts/part_library.h"
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locator/part_library.h"
+#include "locator/parts/part_library.h"
 
 #include "planar_bin_picking/part/part_file.h"
 #include "shared/refusal.h"
