@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import numpy
@@ -14,7 +15,8 @@ import roslib.packages
 import rospkg
 import rospy
 import rostest
-from planar_bin_picking.srv import LocatePart, LocatePartResponse
+from planar_bin_picking.srv import ListParts, LocatePart, LocatePartRequest, LocatePartResponse
+from std_srvs.srv import Trigger
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's relay of it
 from driven_cell import DrivenCell
@@ -45,8 +47,9 @@ class Operation(unittest.TestCase):
         shutil.copytree(os.path.join(cls.folder, "test/ros/parts"), cls.parts)
         cls.processes = []
         cls.start("op", **BIN)
-        cls.start("coarse", **{"empty_mark": 0.5}, **BIN)
+        cls.start("coarse", **{"empty_mark": 0.5, "parts_poll": 0.0}, **BIN)
         cls.start("no_bin", distance_min=0.78, distance_max=0.98)
+        time.sleep(2.0)  # of tf, which the first call needs
 
     @classmethod
     def tearDownClass(cls):
@@ -72,6 +75,63 @@ class Operation(unittest.TestCase):
         self.assertEqual(response.status, status, response.message)
         self.assertIn(words, response.message)
         return response
+
+    # --- parts -------------------------------------------------------------------------------------
+    def list_parts(self, locator="op"):
+        rospy.wait_for_service(locator + "/list_parts", UP)
+        response = rospy.ServiceProxy(locator + "/list_parts", ListParts)()
+        return {part.name: part for part in response.parts}
+
+    def comes_true(self, condition, seconds=20.0):
+        end = time.monotonic() + seconds
+        while not condition():
+            self.assertLess(time.monotonic(), end, "does not come true")
+            time.sleep(0.1)
+
+    def file(self, name):
+        return os.path.join(self.parts, name)
+
+    def test_parts_come_change_and_go(self):
+        first = self.list_parts()
+        self.assertTrue(first["bracket"].available)
+        self.assertIn("120.0 x 80.0 mm, 3 holes", first["bracket"].text)
+        self.assertEqual(first["bracket"].pick_poses, ["elbow", "elbow_back"])
+        self.assertGreater(first["bracket"].read_at, rospy.Time.now() - rospy.Duration(300.0))
+        self.assertFalse(first["torn"].available)
+        self.assertIn("EOF", first["torn"].text)
+        self.assertIn("INSUNITS", " ".join(first["tiny"].warnings))
+        self.call("op", Status.UNKNOWN_PART, "no part 'late'", part="late")
+        with open(self.file("late.yaml"), "w") as file:
+            file.write("drawing: bracket.dxf\npick_poses:\n  - {name: arm, face: front, position_mm: [46, 17, 0], "
+                       "rpy_deg: [180, 0, 0]}\n")
+        self.comes_true(lambda: "late" in self.list_parts())
+        located = self.call("op", Status.OK, part="late")
+        self.assertEqual({pick.name for part in located.parts for pick in part.picks}, {"arm"})
+        with open(self.file("late.yaml"), "w") as file:
+            file.write("drawing: bracket.dxf\nthickness: 3\n")  # no such key
+        self.comes_true(lambda: not self.list_parts()["late"].available)
+        self.call("op", Status.UNKNOWN_PART, "thickness", part="late")
+        self.assertEqual(self.list_parts()["bracket"].read_at, first["bracket"].read_at)
+        os.remove(self.file("late.yaml"))
+        self.comes_true(lambda: "late" not in self.list_parts())
+
+    def test_parts_are_read_only_on_request_where_the_cell_says_so(self):
+        self.list_parts("coarse")
+        shutil.copy(self.file("bracket.dxf"), self.file("asked_for.dxf"))
+        self.comes_true(lambda: "asked_for" in self.list_parts("op"))
+        self.assertNotIn("asked_for", self.list_parts("coarse"))
+        reload_parts = rospy.ServiceProxy("coarse/reload_parts", Trigger)
+        answer = reload_parts()
+        self.assertFalse(answer.success)  # torn.dxf
+        self.assertIn("torn", answer.message)
+        self.assertIn("asked_for", self.list_parts("coarse"))
+        os.remove(self.file("asked_for.dxf"))
+
+    def test_several_parts_in_one_call(self):
+        wish = LocatePartRequest(parts=["bracket", "thick"])
+        both = self.call("op", Status.OK, part=wish.part, parts=wish.parts)
+        self.assertLessEqual({part.part for part in both.parts}, {"bracket", "thick"})
+        self.call("op", Status.UNKNOWN_PART, "nonesuch", part="bracket", parts=["nonesuch"])
 
     # --- the bin -----------------------------------------------------------------------------------
     def test_an_empty_bin_is_told_from_one_of_other_parts(self):

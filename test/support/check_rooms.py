@@ -31,6 +31,7 @@ MAY_INCLUDE = {
     "locate": BELOW_LOCATOR,
     "bin": {"base", "camera"},  # the bin itself, without parts
     "pick": BELOW_LOCATOR | {"locate"},
+    "snapshot": BELOW_LOCATOR | {"locate"},
     "show": BELOW_LOCATOR | {"locate"},
     "calibrate/board": {"base", "camera"},
     "calibrate/hand_eye": {"base", "camera", "calibrate/board"},
@@ -40,7 +41,8 @@ MAY_INCLUDE = {
     "ros/input": {"ros/shared"},
     "ros/locator/answer": {"ros/shared", "ros/input"},
     "ros/locator/parts": {"ros/shared"},
-    "ros/locator": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts"},
+    "ros/locator/snapshot": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts"},
+    "ros/locator": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts", "ros/locator/snapshot"},
     "ros/hdr": {"ros/shared", "ros/input"},
     "ros/calibrator": {"ros/shared", "ros/input"},
     "ros/hand_eye": {"ros/shared"},

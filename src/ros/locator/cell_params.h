@@ -14,6 +14,7 @@ namespace planar_bin_picking_ros {
 
 struct CellParams {
   std::string parts_folder;  ///< *.yaml and *.dxf in it are the parts
+  double parts_poll = 1.0;   ///< s between two looks at the folder; 0 = only on ~reload_parts
   std::string target_frame;  ///< frame of the answers; "" = the camera's
   /// In front of the parts' tf frames; "" = defaultFramePrefix, what tells two locators apart.
   std::string frame_prefix;
@@ -44,6 +45,7 @@ struct CellParams {
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("parts_folder", self.parts_folder);
+    visit("parts_poll", self.parts_poll, 0.0, 3600.0);
     visit("target_frame", self.target_frame);
     visit("frame_prefix", self.frame_prefix);
     visit("camera_info_file", self.camera_info_file);

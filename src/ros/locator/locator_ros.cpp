@@ -7,7 +7,6 @@
 #include "locator/load_params.h"
 #include "locator/plane_frame.h"
 #include "planar_bin_picking/image/camera_file.h"
-#include "planar_bin_picking/part/part_summary.h"
 #include "shared/convert_camera.h"
 #include "shared/names.h"
 #include "shared/param_reader.h"
@@ -53,6 +52,13 @@ FaceFilter faceFilter(const std::uint8_t face) {
   }
   throw Refusal(planar_bin_picking::LocatePart::Response::BAD_REQUEST,
                 "face is " + std::to_string(face) + "; it must be ANY (0), FRONT (1) or BACK (2)");
+}
+
+/// The parts' names as the request has them.
+std::string wishOf(const LocatePart::Request& request) {
+  std::string text = request.part;
+  for (const std::string& part : request.parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
 }
 
 std::optional<Camera> loadCameraFile(const std::string& path) {
@@ -135,7 +141,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
     : locator_(loadLocatorParams(readTree(pnh, kLocatorParams))),
       cell_(loadCellParams(readTree(pnh, kCellParams))),
       camera_(loadCameraFile(cell_.camera_info_file)),
-      library_(cell_.parts_folder),
+      parts_(cell_.parts_folder, cell_.parts_poll),
       image_nh_(onQueue(nh, &image_queue_)),
       call_pnh_(onQueue(pnh, &call_queue_)),
       prompt_pnh_(onQueue(pnh, &prompt_queue_)),
@@ -144,21 +150,13 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       source_(image_nh_, pnh),
       publisher_(call_pnh_, prompt_pnh_, cell_.frame_prefix),
       picks_(loadPickParams(readTree(pnh, kPickParams))),
+      part_services_(parts_, call_pnh_, prompt_pnh_),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_),
       prompt_spinner_(1, &prompt_queue_) {
   checkOnePlane(cell_, locator_.params().plane);
   ROS_INFO_STREAM("locator:" << describe(locator_.params()));
   ROS_INFO_STREAM("cell:" << describe(cell_));
-  for (const auto& [name, part] : library_.parts()) {
-    const auto summary = planar_bin_picking::describePart(*part);
-    ROS_INFO_STREAM("part '" << name << "': " << toLine(summary));
-    for (const auto& warning : summary.warnings)
-      ROS_WARN_STREAM("part '" << name << "': " << warning);
-  }
-  for (const auto& [name, error] : library_.errors()) {
-    ROS_ERROR_STREAM("part '" << name << "' is not available: " << error);
-  }
   service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
   report_service_ =
       prompt_pnh_.advertiseService(kReportPickService, &LocatorRos::serveReport, this);
@@ -184,15 +182,15 @@ bool LocatorRos::serve(Event<LocatePart>& event) {
   response.filling = -1.0;
   try {
     answer(event.getCallerName(), request, response);
-    ROS_INFO_STREAM("locate_part '" << request.part << "': " << response.message);
+    ROS_INFO_STREAM(kLocatePartService << " '" << wishOf(request) << "': " << response.message);
   } catch (const Refusal& refusal) {
     response.status = refusal.status();
     response.message = refusal.what();
-    ROS_WARN_STREAM("locate_part '" << request.part << "': " << response.message);
+    ROS_WARN_STREAM(kLocatePartService << " '" << wishOf(request) << "': " << response.message);
   } catch (const std::exception& error) {
     response.status = Response::INTERNAL_ERROR;
     response.message = std::string(error.what()) + "; please report this with the image";
-    ROS_ERROR_STREAM("locate_part '" << request.part << "': " << response.message);
+    ROS_ERROR_STREAM(kLocatePartService << " '" << wishOf(request) << "': " << response.message);
   }
   return true;  // the call itself worked, whatever its status
 }
@@ -219,7 +217,7 @@ Camera LocatorRos::cameraOf(const Frame& frame) const {
 
 void LocatorRos::answer(const std::string& caller, const Request& request, Response& response) {
   Stopwatch watch(response);
-  std::vector<PartPtr> parts = library_.select(request.part);
+  std::vector<PartPtr> parts = parts_.current()->select(request.part, request.parts);
   publisher_.withdraw(parts);  // whatever comes of this call, the former answer no longer holds
   faceFilter(request.face);    // refuses a wrong request before it waits
   checkTimes(request);

@@ -12,7 +12,7 @@
 #include "input/image_source.h"
 #include "locator/answer/answer_publisher.h"
 #include "locator/cell_params.h"
-#include "locator/parts/part_library.h"
+#include "locator/parts/part_services.h"
 #include "locator/pick_keeper.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "shared/transform_listener.h"
@@ -64,7 +64,7 @@ class LocatorRos {
   const planar_bin_picking::Locator locator_;
   const CellParams cell_;
   const std::optional<planar_bin_picking::Camera> camera_;  ///< of camera_info_file
-  const PartLibrary library_;
+  PartStore parts_;
 
   ros::CallbackQueue image_queue_, call_queue_, prompt_queue_;
   ros::NodeHandle image_nh_, call_pnh_, prompt_pnh_;
@@ -73,6 +73,7 @@ class LocatorRos {
   ImageSource source_;
   AnswerPublisher publisher_;
   PickKeeper picks_;
+  PartServices part_services_;
   std::mutex locate_mutex_;
   ros::ServiceServer service_, report_service_;
   ros::AsyncSpinner image_spinner_, call_spinner_, prompt_spinner_;

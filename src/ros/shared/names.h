@@ -12,6 +12,8 @@ constexpr char kImageTopic[] = "camera/image_raw";
 // Private, below the node's name.
 constexpr char kLocatePartService[] = "locate_part";
 constexpr char kReportPickService[] = "report_pick";
+constexpr char kListPartsService[] = "list_parts";
+constexpr char kReloadPartsService[] = "reload_parts";
 constexpr char kLocatedPartsTopic[] = "located_parts";
 constexpr char kMarkersTopic[] = "markers";
 constexpr char kOverlayTopic[] = "overlay";

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <system_error>
 
@@ -19,17 +20,6 @@ using planar_bin_picking::LocatePart;
 using planar_bin_picking::PartModel;
 
 namespace {
-
-std::string extension(const fs::path& path) {
-  std::string text = path.extension().string();
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](const unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-bool isYaml(const fs::path& path) {
-  return extension(path) == ".yaml" || extension(path) == ".yml";
-}
 
 /// Follows links; false where they lead nowhere or out of the folder.
 bool isWithin(const fs::path& folder, const fs::path& path) {
@@ -78,8 +68,8 @@ void findYamlParts(const fs::path& folder, const std::vector<fs::path>& yamls,
 Found findParts(const fs::path& folder) {
   std::vector<fs::path> yamls, drawings;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (isYaml(entry.path())) yamls.push_back(entry.path());
-    if (extension(entry.path()) == ".dxf") drawings.push_back(entry.path());
+    if (isPartYaml(entry.path().string())) yamls.push_back(entry.path());
+    if (isDrawing(entry.path().string())) drawings.push_back(entry.path());
   }
   std::sort(yamls.begin(), yamls.end());  // whatever order the file system has them in
   Found found;
@@ -100,6 +90,16 @@ Found findParts(const fs::path& folder) {
   return found;
 }
 
+/// A part's files: its yaml and the drawing that this names, or its drawing alone.
+FileStamps filesNamedBy(const fs::path& file) {
+  FileStamps files;
+  files[file.lexically_normal().string()] = stampOf(file.string());
+  if (!isPartYaml(file.string())) return files;
+  const auto drawing = planar_bin_picking::drawingNamedBy(file.string());
+  if (drawing) files[*drawing] = stampOf(*drawing);
+  return files;
+}
+
 template <class Map>
 std::string names(const Map& map) {
   std::string text;
@@ -118,45 +118,91 @@ PartLibrary::PartLibrary(const std::string& folder) : folder_(folder) {
   if (!fs::is_directory(folder, error)) {
     throw std::runtime_error("parts folder '" + folder + "' is not a folder that can be read");
   }
-  const Found found = findParts(folder);
-  if (found.files.empty() && found.errors.empty()) {
+  load(nullptr);
+  if (parts_.empty() && errors_.empty()) {
     throw std::runtime_error("parts folder '" + folder + "' has neither *.dxf nor *.yaml in it");
-  }
-  errors_ = found.errors;
-  owners_ = found.owners;
-  for (const auto& [name, file] : found.files) {
-    try {
-      parts_[name] =
-          std::make_shared<const PartModel>(planar_bin_picking::loadPartFile(file.string()));
-    } catch (const std::exception& failure) {
-      errors_[name] = failure.what();
-    }
   }
 }
 
-std::vector<PartPtr> PartLibrary::select(const std::string& name) const {
+PartLibrary::PartLibrary(const PartLibrary& former, const bool all_anew) : folder_(former.folder_) {
+  load(all_anew ? nullptr : &former);
+}
+
+void PartLibrary::load(const PartLibrary* former) {
+  // Stamps first: what changes while it is read is seen to have changed afterwards.
+  stamps_ = stampsIn(folder_, {});
+  const Found found = findParts(folder_);
+  errors_ = found.errors;
+  owners_ = found.owners;
+  for (const auto& [name, file] : found.files) {
+    Source source{filesNamedBy(file), std::chrono::system_clock::now()};
+    stamps_.insert(source.files.begin(), source.files.end());
+    if (former != nullptr && former->filesOf(name) == source.files) {
+      source.read_at = former->readAt(name);
+      const auto part = former->parts_.find(name);
+      const auto error = former->errors_.find(name);
+      if (part != former->parts_.end()) parts_[name] = part->second;
+      if (error != former->errors_.end()) errors_[name] = error->second;
+    } else {
+      try {
+        parts_[name] =
+            std::make_shared<const PartModel>(planar_bin_picking::loadPartFile(file.string()));
+      } catch (const std::exception& failure) {
+        errors_[name] = failure.what();
+      }
+    }
+    sources_[name] = std::move(source);
+  }
+}
+
+std::chrono::system_clock::time_point PartLibrary::readAt(const std::string& part) const {
+  const auto found = sources_.find(part);
+  return found == sources_.end() ? std::chrono::system_clock::time_point() : found->second.read_at;
+}
+
+FileStamps PartLibrary::filesOf(const std::string& part) const {
+  const auto found = sources_.find(part);
+  return found == sources_.end() ? FileStamps() : found->second.files;
+}
+
+std::set<std::string> PartLibrary::paths() const {
+  std::set<std::string> paths;
+  for (const auto& entry : stamps_) paths.insert(entry.first);
+  return paths;
+}
+
+std::vector<PartPtr> PartLibrary::select(const std::string& part,
+                                         const std::vector<std::string>& parts) const {
   std::vector<PartPtr> selected;
-  if (name.empty()) {
+  if (part.empty() && parts.empty()) {
     for (const auto& entry : parts_) selected.push_back(entry.second);
+    if (selected.empty() && errors_.empty())
+      refuse("the parts folder " + folder_ + " is empty; put drawings into it");
     if (selected.empty())
       refuse("none of the parts in " + folder_ + " could be loaded: " + names(errors_));
     return selected;
   }
+  std::set<std::string> wanted(parts.begin(), parts.end());
+  if (!part.empty()) wanted.insert(part);
+  for (const std::string& name : wanted) selected.push_back(selectOne(name));
+  return selected;
+}
+
+PartPtr PartLibrary::selectOne(const std::string& name) const {
   const auto found = parts_.find(name);
-  if (found != parts_.end()) return {found->second};
+  if (found != parts_.end()) return found->second;
   const auto error = errors_.find(name);
   if (error != errors_.end()) {
     refuse("part '" + name + "' could not be loaded: " + error->second +
-           "; correct the file and restart the node");
+           "; correct the file, which is then read anew");
   }
   const auto owner = owners_.find(name);
   if (owner != owners_.end()) {
     refuse("there is no part '" + name + "': its drawing is that of part '" + owner->second +
-           "', whose file names it; ask for that part, or write the file " + name + ".yaml, too, " +
-           "and restart the node");
+           "', whose file names it; ask for that part, or write the file " + name + ".yaml, too");
   }
   refuse("there is no part '" + name + "' in " + folder_ + " (there is: " + names(parts_) +
-         "); add its drawing and restart the node");
+         "); put its drawing there, which is then read");
 }
 
 }  // namespace planar_bin_picking_ros

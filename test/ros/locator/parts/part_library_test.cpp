@@ -106,5 +106,44 @@ TEST(PartLibrary, RefusesFolderWithoutParts) {
   EXPECT_TRUE(refuses([&] { PartLibrary(folder.path("none")); }, {"none"}));
 }
 
+TEST(PartLibrary, SeveralNamesCountOnceEach) {
+  const TempDir folder;
+  for (const char* name : {"a.dxf", "b.dxf", "c.dxf"}) fs::copy(kBracket, folder.path(name));
+  const PartLibrary library(folder.path(""));
+  EXPECT_EQ(names(library.select("", {"c", "a", "c"})), (std::vector<std::string>{"a", "c"}));
+  EXPECT_EQ(names(library.select("a", {"a", "b"})), (std::vector<std::string>{"a", "b"}));
+  EXPECT_TRUE(refuses([&] { library.select("a", {"d"}); }, {"no part 'd'"}));
+}
+
+TEST(PartLibrary, SharesWhatHasNotChanged) {
+  const TempDir folder;
+  for (const char* name : {"same.dxf", "other.dxf"}) fs::copy(kBracket, folder.path(name));
+  folder.write("late.yaml", "drawing: late_drawing.dxf\n");
+  const PartLibrary before(folder.path(""));
+  EXPECT_TRUE(refuses([&] { before.select("late"); }, {"late_drawing.dxf"}));
+  folder.write("other.yaml", "drawing: other.dxf\nthickness_mm: 3\n");
+  fs::copy(kBracket, folder.path("late_drawing.dxf"));
+  EXPECT_NE(stampsIn(before.folder(), before.paths()), before.stamps());
+  constexpr bool kAllAnew = true;
+  const PartLibrary after(before, !kAllAnew);
+  EXPECT_EQ(after.parts().at("same"), before.parts().at("same"));
+  EXPECT_EQ(after.readAt("same"), before.readAt("same"));
+  EXPECT_DOUBLE_EQ(after.select("other").front()->thickness(), 0.003);
+  EXPECT_EQ(names(after.select("late")), std::vector<std::string>{"late"});
+  EXPECT_EQ(stampsIn(after.folder(), after.paths()), after.stamps());
+  const PartLibrary anew(after, kAllAnew);
+  EXPECT_NE(anew.parts().at("same"), after.parts().at("same"));
+}
+
+TEST(PartLibrary, MayBecomeEmptyLater) {
+  const TempDir folder;
+  fs::copy(kBracket, folder.path("only.dxf"));
+  const PartLibrary before(folder.path(""));
+  fs::remove(folder.path("only.dxf"));
+  const PartLibrary after(before, false);
+  EXPECT_TRUE(refuses([&] { after.select(""); }, {"is empty"}));
+  EXPECT_EQ(before.select("").size(), 1u) << "a call that began before goes on with what it has";
+}
+
 }  // namespace
 }  // namespace planar_bin_picking_ros
