@@ -55,10 +55,24 @@ class EdgeSearch {
     std::array<float, kTaps + 1> even{};  // j = 0..kTaps; sums to zero
   };
 
+  static constexpr int kMaxReach = 16;  // of SearchProfile::reach_px: buffers of fixed size
+  /// What the filters answer at the places of a profile, the first one reach_px + 1 inside.
+  struct Response {
+    using Places = std::array<float, 2 * kMaxReach + 3>;
+    bool complete = false;  ///< whether the profile lies in the image
+    int level = 0;          ///< grey level at the point
+    Places step{}, line{};  ///< heights, grey levels
+    Places across{};        ///< slope along the contour, grey levels per pixel; 0 without a pair
+  };
+
   EdgeSearch(const EdgeMap& edges, const SearchProfile& profile);
 
-  /// The strongest edge on the point's normal, nearer ones preferred; its wall_px is not set.
-  EdgeHit at(const PosedPoint& point) const;
+  int places() const { return 2 * profile_.reach_px + 3; }
+  Response respond(const PosedPoint& point) const;
+  /// The strongest edge on the profile, nearer ones preferred; its wall_px is not set.
+  /// @param noise_share  of the image's noise that is left in the response
+  EdgeHit strongest(const Response& response, float noise_share = 1.0f) const;
+  EdgeHit at(const PosedPoint& point) const { return strongest(respond(point)); }
 
  private:
   const EdgeMap& edges_;
@@ -66,7 +80,9 @@ class EdgeSearch {
   Filters filters_;
 };
 
-/// Where each point would find its edge. Cost: O(points * reach).
+/// Where each point would find its edge, together with its neighbours along the contour: these
+/// agree on a faint edge, but not on noise or texture. The points in order along their loops.
+/// Cost: O(points * reach).
 void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
               const Solid& solid, const Eigen::Isometry3d& T_camera_centre,
               const SearchProfile& profile, std::vector<EdgeHit>* hits);
