@@ -70,10 +70,11 @@ struct RefineParams {
   double field_reach_radii = 0.13;  ///< radii of the part within which an edgel attracts, at first
   double field_reach_end_px = 2.0;  ///< field pixels, at last
   double field_inliers_min = 0.45;  ///< poses below are dropped before the image is looked at
+  int min_poses = 25;               ///< of a part that go on to the image even below
   int max_poses = 400;              ///< of a part that go on to the image
   double image_inliers_min = 0.4;   ///< poses below are dropped after the first look at the image
   double search_below = 0.92;       ///< poses with a higher inlier score need no search about them
-  double search_inliers_min = 0.6;  ///< poses below are dropped after the search
+  double search_inliers_min = 0.5;  ///< poses below are dropped after the search
   int wide_points = 128;
   int image_points = 320;
 
@@ -85,6 +86,7 @@ struct RefineParams {
     visit("field_reach_radii", self.field_reach_radii, 0.01, 1.0);
     visit("field_reach_end_px", self.field_reach_end_px, 0.5, 20.0);
     visit("field_inliers_min", self.field_inliers_min, 0.0, 1.0);
+    visit("min_poses", self.min_poses, 0, 10000);
     visit("max_poses", self.max_poses, 1, 10000);
     visit("image_inliers_min", self.image_inliers_min, 0.0, 1.0);
     visit("search_below", self.search_below, 0.0, 1.0);
@@ -117,7 +119,7 @@ struct PlaneParams {
 
 /// Stage 4, score.h.
 struct ScoreParams {
-  double threshold = 0.65;        ///< detections below are not returned
+  double threshold = 0.6;         ///< detections below are not returned
   double reach_px = 1.5;          ///< an edge this far off the outline is no inlier
   int points = 256;               ///< along each of outer contour, holes, print
   double visible_reach_px = 2.5;  ///< the same, for what counts as seen

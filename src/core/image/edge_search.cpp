@@ -62,6 +62,11 @@ static void filter(const float* p, const EdgeSearch::Filters& f, int m, float* s
   }
 }
 
+PBP_SIMD
+static void magnitude(const float* a, const float* b, int m, float* out) {
+  for (int i = 0; i < m; ++i) out[i] = std::sqrt(a[i] * a[i] + b[i] * b[i]);
+}
+
 EdgeSearch::EdgeSearch(const EdgeMap& edges, const SearchProfile& profile)
     : edges_(edges), profile_(profile), filters_(filtersOf(profile.sigma_px)) {}
 
@@ -89,6 +94,7 @@ EdgeSearch::Response EdgeSearch::respond(const PosedPoint& point) const {
       out.across[i] = (across[i + kTaps - 1] + across[i + kTaps] + across[i + kTaps + 1]) / 3.0f;
   } else {
     addProfile(image, x0, y0, nx, ny, n, sum.data());
+    std::fill_n(out.across.begin(), m, 0.0f);
   }
   filter(sum.data() + kTaps, filters_, m, out.step.data(), out.line.data());
   out.level = std::clamp(static_cast<int>(sum[half]), 0, 255);
@@ -101,11 +107,8 @@ EdgeHit EdgeSearch::strongest(const Response& response, float noise_share) const
   const int reach = profile_.reach_px, m = places();
   // Local energy: where plates of one kind lie on one another, their contour is a dark or bright
   // line as often as a step, and the steps on either side of it are no contour.
-  Response::Places energy{};
-  for (int i = 0; i < m; ++i) {
-    const float step = response.step[i], line = response.line[i];
-    energy[i] = std::sqrt(step * step + line * line);
-  }
+  Response::Places energy;
+  magnitude(response.step.data(), response.line.data(), m, energy.data());
   const float noise = noise_share * edges_.noise[response.level];
   float best = 0.0f;
   for (int i = 1; i + 1 < m; ++i) {
@@ -130,10 +133,16 @@ namespace {
 /// Of all points before each, so that the mean over any stretch is one difference.
 class RunningSums {
  public:
-  RunningSums(std::size_t points, int places) : places_(places), sums_(points + 1) {}
+  RunningSums(std::size_t points, int places) : places_(places), sums_(points + 1) {
+    for (auto* values : {&sums_[0].step, &sums_[0].line, &sums_[0].across}) values->fill(0.0f);
+  }
   void set(int i, const EdgeSearch::Response& r) {
     const auto& from = sums_[i];
     auto& to = sums_[i + 1];
+    if (!r.complete) {
+      to = from;
+      return;
+    }
     for (int k = 0; k < places_; ++k) {
       to.step[k] = from.step[k] + r.step[k];
       to.line[k] = from.line[k] + r.line[k];

@@ -56,13 +56,14 @@ class EdgeSearch {
   };
 
   static constexpr int kMaxReach = 16;  // of SearchProfile::reach_px: buffers of fixed size
-  /// What the filters answer at the places of a profile, the first one reach_px + 1 inside.
+  /// What the filters answer at the places of a profile, the first one reach_px + 1 inside;
+  /// set only where the profile is complete, and no farther than places().
   struct Response {
     using Places = std::array<float, 2 * kMaxReach + 3>;
     bool complete = false;  ///< whether the profile lies in the image
     int level = 0;          ///< grey level at the point
-    Places step{}, line{};  ///< heights, grey levels
-    Places across{};        ///< slope along the contour, grey levels per pixel; 0 without a pair
+    Places step, line;      ///< heights, grey levels
+    Places across;          ///< slope along the contour, grey levels per pixel; 0 without a pair
   };
 
   EdgeSearch(const EdgeMap& edges, const SearchProfile& profile);

@@ -19,6 +19,9 @@ constexpr int kHalf = 1;      // samples to either side that a level is the mean
 /// Of an edge that is no line of the drawing: it is clear where the change is as large as this
 /// share of the median on the part's own lines, and at least so many grey levels per sample.
 constexpr double kAsClear = 0.7, kLeast = 4.0;
+/// The same where many edges are counted, and no single one decides.
+constexpr double kHalfAsClear = 0.5;
+constexpr int kFewSamples = 50;    // of an open face: too few to tell what lies there
 constexpr float kOwnLine = 1.0f;   // samples off the drawing's lines: on them
 constexpr double kSmallest = 6.0;  // samples across, of what the edge encloses: less is a speck
 /// Of a clear change: a hole shows the same level as a drawn hole to within this.
@@ -37,6 +40,15 @@ cv::Mat_<std::uint8_t> openFace(const FaceGrid& grid, const std::vector<int>& co
   }
   open.setTo(0, grid.fromOutline() < kOwn);
   return open;
+}
+
+/// Median change on the drawing's lines, grey levels per sample.
+double ownChange(const FaceGrid& grid, const cv::Mat_<float>& change) {
+  std::vector<double> own;
+  for (int y = 0; y < change.rows; ++y)
+    for (int x = 0; x < change.cols; ++x)
+      if (grid.fromOutline()(y, x) < kOwnLine) own.push_back(change(y, x));
+  return median(std::move(own));
 }
 
 /// Mean of a few samples.
@@ -86,13 +98,10 @@ bool hasExtraHole(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
                   const std::vector<int>& covered, const std::vector<Eigen::Vector2d>& holes) {
   if (holes.empty()) return false;
   const cv::Mat_<float> change = changeOf(flat);
-  std::vector<double> own, through;
+  std::vector<double> through;
   for (const Eigen::Vector2d& hole : holes)
     through.push_back(levelAbout(flat, (hole - grid.corner(0, 0)) * kSamples / grid.cellSize()));
-  for (int y = 0; y < change.rows; ++y)
-    for (int x = 0; x < change.cols; ++x)
-      if (grid.fromOutline()(y, x) < kOwnLine) own.push_back(change(y, x));
-  const double clear = std::max(kLeast, kAsClear * median(std::move(own)));
+  const double clear = std::max(kLeast, kAsClear * ownChange(grid, change));
   cv::Mat edges = (change > clear) & (openFace(grid, covered) > 0);
   std::vector<std::vector<cv::Point>> contours;
   std::vector<cv::Vec4i> family;
@@ -107,6 +116,17 @@ bool hasExtraHole(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
     if (std::abs(inside - median(through)) < kAlike * clear) return true;
   }
   return false;
+}
+
+double foreignEdges(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
+                    const std::vector<int>& covered) {
+  const cv::Mat open = openFace(grid, covered);
+  const int samples = cv::countNonZero(open);
+  if (samples < kFewSamples) return 0.0;
+  const cv::Mat_<float> change = changeOf(flat);
+  const double clear = std::max(kLeast, kHalfAsClear * ownChange(grid, change));
+  const cv::Mat edges = (change > clear) & (open > 0);
+  return static_cast<double>(cv::countNonZero(edges)) / samples;
 }
 
 }  // namespace planar_bin_picking

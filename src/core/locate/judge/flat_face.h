@@ -34,4 +34,12 @@ cv::Mat_<float> changeOf(const cv::Mat& flat);
 bool hasExtraHole(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
                   const std::vector<int>& covered, const std::vector<Eigen::Vector2d>& holes);
 
+/// Share of the open face that edges take up which the drawing does not have, 0..1: hardly any on a
+/// smooth part, more on a dirty or textured one, half of it where a pose lies over a heap of other
+/// things. 0 where too little is open to tell.
+/// @param flat     of flatten
+/// @param covered  cells, in order
+double foreignEdges(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
+                    const std::vector<int>& covered);
+
 }  // namespace planar_bin_picking

@@ -145,9 +145,13 @@ double extraHoleFactor(const PartModel& part, const Groups& group, const EdgeMap
   // Share of the score; no more, since in a stack the holes of the parts below may look like one
   // too many.
   constexpr double kExtraHole = 0.1;
+  // Of their share of the face; no more, since a part may be dirty, textured or labelled.
+  constexpr double kForeignEdges = 0.5;
+  const FaceGrid& grid = part.faceGrid();
   const cv::Mat flat =
-      flatten(part.faceGrid(), edges.image, camera, pose.T_camera_part, part.faceZ(pose.face));
-  return hasExtraHole(part.faceGrid(), flat, covered, group.middles) ? 1.0 - kExtraHole : 1.0;
+      flatten(grid, edges.image, camera, pose.T_camera_part, part.faceZ(pose.face));
+  const double hole = hasExtraHole(grid, flat, covered, group.middles) ? kExtraHole : 0.0;
+  return (1.0 - hole) * (1.0 - kForeignEdges * foreignEdges(grid, flat, covered));
 }
 
 }  // namespace

@@ -10,7 +10,8 @@
 /// over all points: holes are short but hardly ever matched by chance (measured in test/benchmark).
 /// Of the print only what is in view counts. Evidence against a pose lowers the score, however well
 /// the rest fits: a resolved hole that is clearly seen elsewhere or of another size
-/// (hole_evidence.h), and, by a tenth, a hole too many (flat_face.h).
+/// (hole_evidence.h), by a tenth a hole too many, and by half their share of the face in view edges
+/// that the drawing does not have (flat_face.h).
 
 #include "image/edge_map.h"
 #include "planar_bin_picking/image/camera.h"

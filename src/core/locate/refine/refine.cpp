@@ -35,8 +35,9 @@ std::vector<RefinedPose> refineCandidates(
   const auto forAll = [&](auto&& step) {
     parallelFor(static_cast<int>(poses.size()), threads, [&](int i) { step(&poses[i], i); });
   };
-  const auto suppress = [&](double distance, double score_min) {
-    keepOnly(withoutDuplicates(poses, aligner.outlines(), distance, score_min, params.max_poses),
+  const auto suppress = [&](double distance, double score_min, int least = 0) {
+    keepOnly(withoutDuplicates(poses, aligner.outlines(), distance, score_min,
+                               {least, params.max_poses}),
              &poses);
   };
   const auto suppressOutscored = [&] {
@@ -44,7 +45,7 @@ std::vector<RefinedPose> refineCandidates(
   };
 
   forAll([&](auto* p, int i) { *p = aligner.alignToField(candidates[i]); });
-  suppress(kSameInField, params.field_inliers_min);
+  suppress(kSameInField, params.field_inliers_min, params.min_poses);
   forAll([&](auto* p, int) { aligner.alignWide(p); });
   suppress(kSameInImage, params.image_inliers_min);
   suppressOutscored();
@@ -54,10 +55,9 @@ std::vector<RefinedPose> refineCandidates(
   estimateEdgeOffsets(poses, &aligner.outlines());
   for (int round = 0; round < kSearchRounds; ++round) {
     forAll([&](auto* p, int) { aligner.searchAround(p); });
-    suppress(kSameInImage, params.image_inliers_min);
+    suppress(kSameInImage, params.search_inliers_min);
     suppressOutscored();
   }
-  suppress(kSameInImage, params.search_inliers_min);
 
   std::vector<ChosenPose> chosen(poses.size());
   forAll([&](auto* p, int i) {
@@ -66,7 +66,7 @@ std::vector<RefinedPose> refineCandidates(
     *p = chosen[i].pose;
   });
   keepOnly(withoutDuplicates(poses, aligner.outlines(), kSameInImage, params.search_inliers_min,
-                             params.max_poses),
+                             {0, params.max_poses}),
            &chosen);
   decideTilts(aligner, parts, &chosen);
   poses.clear();

@@ -21,7 +21,8 @@ constexpr double kClearly = 0.12;
 
 std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& poses,
                                            const std::vector<PartOutline>& outlines,
-                                           double distance, double score_min, int max_poses) {
+                                           double distance, double score_min,
+                                           const PoseLimits& limits) {
   std::vector<std::size_t> order(poses.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -31,8 +32,7 @@ std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& po
   std::vector<int> count(outlines.size(), 0);
   for (const std::size_t i : order) {
     const PoseHypothesis& p = poses[i];
-    if (p.inlier_score < score_min) break;
-    if (count[p.part] >= max_poses) continue;
+    if (count[p.part] >= (p.inlier_score < score_min ? limits.least : limits.most)) continue;
     const bool duplicate = std::any_of(kept.begin(), kept.end(), [&](std::size_t j) {
       const PoseHypothesis& k = poses[j];
       return k.part == p.part && k.face == p.face &&

@@ -12,11 +12,17 @@
 
 namespace planar_bin_picking {
 
-/// Indices of the poses that stay, best first: at most `max_poses` of a part, none below
-/// `score_min`; of poses that agree within `distance` radii (pose_distance.h) only the best.
+/// How many poses of a part stay: the best `least` whatever their score, `most` in any case.
+struct PoseLimits {
+  int least, most;
+};
+
+/// Indices of the poses that stay, best first: of those that agree within `distance` radii
+/// (pose_distance.h) only the best, none below `score_min` but for the limits.
 std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& poses,
                                            const std::vector<PartOutline>& outlines,
-                                           double distance, double score_min, int max_poses);
+                                           double distance, double score_min,
+                                           const PoseLimits& limits);
 
 /// Indices, in order, of those that no clearly better pose of the same place outscores.
 std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& poses,

@@ -106,6 +106,21 @@ TEST(Score, AHoleTooManyCosts) {
   EXPECT_NEAR(scored(labelled, part, sim::poseOf(kLie)).score, plain, 0.02);
 }
 
+TEST(Score, EdgesThatTheDrawingDoesNotHaveCost) {
+  const auto part = makePart("bracket", bracketPlate());
+  sim::Scene scene = sceneOf(bracketPlate(), kLie);
+  const double plain = scored(scene, part, sim::poseOf(kLie)).score;
+  // Specks all over the face, too small to count as something that covers it.
+  sim::Scene speckled = scene;
+  for (int x = -28; x < 44; x += 5)
+    for (int y = -26; y < -10; y += 5)
+      speckled.plates.push_back(
+          {{rectangle(x, y, x + 1, y + 1), {}, {}, 0.0}, sim::poseOf(kLie), 80.0});
+  const double cost = 1.0 - scored(speckled, part, sim::poseOf(kLie)).score / plain;
+  EXPECT_GT(cost, 0.04);
+  EXPECT_LT(cost, 0.3);
+}
+
 TEST(Score, AsMuchOfThePrintAsIsInViewIsJudged) {
   const auto part = makePart("printed", printedPlate());
   sim::Scene scene = sceneOf(printedPlate(), kLie);

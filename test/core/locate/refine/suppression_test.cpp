@@ -35,8 +35,9 @@ PoseHypothesis poseAt(double x_mm, double score, double yaw_deg = 0.0, bool fron
 class Suppression : public testing::Test {
  protected:
   Indices withoutDuplicates(const std::vector<PoseHypothesis>& poses, double score_min = kScoreMin,
-                            int max_poses = kMany) const {
-    return planar_bin_picking::withoutDuplicates(poses, outlines_, kDistance, score_min, max_poses);
+                            int max_poses = kMany, int min_poses = 0) const {
+    return planar_bin_picking::withoutDuplicates(poses, outlines_, kDistance, score_min,
+                                                 {min_poses, max_poses});
   }
   Indices withoutOutscored(const std::vector<PoseHypothesis>& poses) const {
     return planar_bin_picking::withoutOutscored(poses, outlines_);
@@ -73,6 +74,16 @@ TEST_F(Suppression, MaxPosesCountsEachPartByItself) {
   poses[3].part = poses[4].part = 1;
   EXPECT_EQ(withoutDuplicates(poses, kScoreMin, 2), (Indices{0, 1, 3, 4}));
   EXPECT_EQ(withoutDuplicates(poses, kScoreMin, 1), (Indices{0, 3}));
+}
+
+TEST_F(Suppression, TheBestOfEachPartStayHoweverLowTheirScores) {
+  std::vector<PoseHypothesis> poses = {poseAt(-200, 0.1), poseAt(-100, 0.3), poseAt(0, 0.2),
+                                       poseAt(100, 0.05), poseAt(200, 0.9)};
+  poses[3].part = 1;
+  EXPECT_EQ(withoutDuplicates(poses, kScoreMin, kMany, 2), (Indices{4, 1, 3}));
+  // A duplicate is none of them.
+  poses.push_back(poseAt(200, 0.8));
+  EXPECT_EQ(withoutDuplicates(poses, kScoreMin, kMany, 2), (Indices{4, 1, 3}));
 }
 
 TEST_F(Suppression, ADuplicateDoesNotCountAmongMaxPoses) {
