@@ -59,36 +59,39 @@ TEST(FieldAlignment, AFlatPartStaysFlatAmongOtherEdges) {
   constexpr int kHeaps = 12;
   for (int seed = 1; seed <= kHeaps; ++seed) {
     const Aligned aligned = alignedIn(heapedScene(seed));
+    held += aligned.off_mm < 3.0 && aligned.tilt_deg < 15.0 ? 1 : 0;
   }
+  EXPECT_GE(held, kHeaps - 2);  // without what the vote knows of the tilt: 0
+}
 
-  TEST(FieldAlignment, ATiltThatTheEdgesShowIsFollowed) {
-    const auto part = makePart("bracket", bracketPlate());
-    const sim::Lie lie{20, -10, 600, 35, 12, 40};
-    const Shot shot = shoot(sceneOf(bracketPlate(), lie));
-    const auto points = localPointsAt(*part, shapeIndices(*part, kParams.field_points));
-    const Eigen::Isometry3d T_part_centre = centreOf(*part, Face::kFront);
-    // The vote's cell is the untilted one.
-    sim::Lie flat = lie;
-    flat.tilt_deg = 0.0;
-    const Eigen::Isometry3d T = alignInField(shot.edges.fieldOf(0), points, part->radius(),
-                                             sim::poseOf(flat) * T_part_centre, 20.0, kParams);
-    const Eigen::Vector3d normal = (sim::poseOf(lie) * T_part_centre).linear().col(2);
-    EXPECT_LT(std::acos(T.linear().col(2).dot(normal)) / kDegrees, 5.0);
-  }
+TEST(FieldAlignment, ATiltThatTheEdgesShowIsFollowed) {
+  const auto part = makePart("bracket", bracketPlate());
+  const sim::Lie lie{20, -10, 600, 35, 12, 40};
+  const Shot shot = shoot(sceneOf(bracketPlate(), lie));
+  const auto points = localPointsAt(*part, shapeIndices(*part, kParams.field_points));
+  const Eigen::Isometry3d T_part_centre = centreOf(*part, Face::kFront);
+  // The vote's cell is the untilted one.
+  sim::Lie flat = lie;
+  flat.tilt_deg = 0.0;
+  const Eigen::Isometry3d T = alignInField(shot.edges.fieldOf(0), points, part->radius(),
+                                           sim::poseOf(flat) * T_part_centre, 20.0, kParams);
+  const Eigen::Vector3d normal = (sim::poseOf(lie) * T_part_centre).linear().col(2);
+  EXPECT_LT(std::acos(T.linear().col(2).dot(normal)) / kDegrees, 5.0);
+}
 
-  TEST(FieldAlignment, TheInlierScoreFallsWithTheDistance) {
-    const auto part = makePart("bracket", bracketPlate());
-    const Shot shot = shoot(sceneOf(bracketPlate(), kLie));
-    const auto points = localPointsAt(*part, shapeIndices(*part, kParams.field_points));
-    const auto score = [&](double off_mm) {
-      const Eigen::Isometry3d T =
-          candidateNear(sim::poseOf(kLie), off_mm).T_camera_part * centreOf(*part, Face::kFront);
-      return fieldInlierScore(shot.edges.fieldOf(0), points, part->radius(), T, 3.0);
-    };
-    EXPECT_GT(score(0.0), 0.7);
-    EXPECT_LT(score(1.5), score(0.0) - 0.1);
-    EXPECT_LT(score(200.0), 0.1);
-  }
+TEST(FieldAlignment, TheInlierScoreFallsWithTheDistance) {
+  const auto part = makePart("bracket", bracketPlate());
+  const Shot shot = shoot(sceneOf(bracketPlate(), kLie));
+  const auto points = localPointsAt(*part, shapeIndices(*part, kParams.field_points));
+  const auto score = [&](double off_mm) {
+    const Eigen::Isometry3d T =
+        candidateNear(sim::poseOf(kLie), off_mm).T_camera_part * centreOf(*part, Face::kFront);
+    return fieldInlierScore(shot.edges.fieldOf(0), points, part->radius(), T, 3.0);
+  };
+  EXPECT_GT(score(0.0), 0.7);
+  EXPECT_LT(score(1.5), score(0.0) - 0.1);
+  EXPECT_LT(score(200.0), 0.1);
+}
 
 }  // namespace
 }  // namespace planar_bin_picking
