@@ -253,10 +253,11 @@ class CellNode {
       located.pose.pose = tf2::toMsg(part.T_base_part);
       located.visible_fraction = part.visible_fraction;
       const PartKind& kind = cell_.kind(part.kind);
-      for (const auto& T_part_twin : part.front_up ? kind.twins : kind.back_twins) {
+      for (const auto& T_part_same :
+           part.front_up ? kind.symmetric_poses : kind.back_symmetric_poses) {
         located.picks.emplace_back();
-        located.picks.back().name = "twin";
-        located.picks.back().pose = tf2::toMsg(Eigen::Isometry3d(part.T_base_part * T_part_twin));
+        located.picks.back().name = "symmetric";
+        located.picks.back().pose = tf2::toMsg(Eigen::Isometry3d(part.T_base_part * T_part_same));
       }
       message.parts.push_back(located);
     }

@@ -128,8 +128,8 @@ class Truth:
         for part in self.at(located.header.stamp).parts:
             if part.part != located.part:
                 continue
-            for twin in part.picks:
-                T_true = matrix(twin.pose) @ T_part_pick
+            for symmetric in part.picks:
+                T_true = matrix(symmetric.pose) @ T_part_pick
                 d = 1e3 * (T[:3, 3] - T_true[:3, 3])
                 R = T_true[:3, :3].T @ T[:3, :3]
                 yaw = math.degrees(math.atan2(R[1, 0] - R[0, 1], R[0, 0] + R[1, 1]))

@@ -129,10 +129,10 @@ TEST_F(Printed, InkLiesAboutTheLinesOnTheFrontAlone) {
 
 TEST_F(Printed, TellsPosesApartUnlessItLiesBelow) {
   const PartKind plain = kind(false), printed = kind(true);
-  EXPECT_EQ(plain.twins.size(), 4u);
-  EXPECT_EQ(plain.back_twins.size(), 4u);
-  EXPECT_EQ(printed.twins.size(), 1u);
-  EXPECT_EQ(printed.back_twins.size(), 2u);
+  EXPECT_EQ(plain.symmetric_poses.size(), 4u);
+  EXPECT_EQ(plain.back_symmetric_poses.size(), 4u);
+  EXPECT_EQ(printed.symmetric_poses.size(), 1u);
+  EXPECT_EQ(printed.back_symmetric_poses.size(), 2u);
   EXPECT_EQ(printed.grasps.size(), 4u);  // the cup does not mind
 }
 

@@ -30,7 +30,7 @@ Shape loadShape(const std::string& path, double thickness, double chord);
 double area(const Polygon& polygon);  ///< of a ring, counter-clockwise positive
 double area(const Shape& shape);      ///< without its holes
 
-/// T_part_twin of all turns, also upside down, after which the shape lies on itself, whatever is
+/// T_part_same of all turns, also upside down, after which the shape lies on itself, whatever is
 /// printed on it; identity first. A disc's turns are given in steps of five degrees.
 /// @param tolerance  metres
 std::vector<Eigen::Isometry3d> symmetries(const Shape& shape, double tolerance);

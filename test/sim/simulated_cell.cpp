@@ -48,11 +48,12 @@ std::vector<Mesh> allMeshes(const std::vector<PartKind>& kinds, const Bin& bin) 
 }
 
 /// A print tells all poses apart, unless it lies below.
-void setTwins(const std::vector<Eigen::Isometry3d>& same_shape, bool is_printed, PartKind* kind) {
-  kind->twins = kind->back_twins = same_shape;
+void setSymmetricPoses(const std::vector<Eigen::Isometry3d>& same_shape, bool is_printed,
+                       PartKind* kind) {
+  kind->symmetric_poses = kind->back_symmetric_poses = same_shape;
   if (!is_printed) return;
-  kind->twins = {Eigen::Isometry3d::Identity()};
-  auto& turns = kind->back_twins;
+  kind->symmetric_poses = {Eigen::Isometry3d::Identity()};
+  auto& turns = kind->back_symmetric_poses;
   turns.erase(std::remove_if(turns.begin(), turns.end(),
                              [](const Eigen::Isometry3d& T) { return T.linear()(2, 2) < 0.0; }),
               turns.end());
@@ -75,7 +76,7 @@ PartKind loadPartKind(const std::string& yaml_path) {
   kind.coarse = loadShape(drawing, thickness, 3e-4);
   const Shape shape = loadShape(drawing, thickness, 5e-5);
   const auto same_shape = symmetries(shape, 2e-4);
-  setTwins(same_shape, !shape.prints.empty(), &kind);
+  setSymmetricPoses(same_shape, !shape.prints.empty(), &kind);
   for (const auto& pick : root["pick_poses"]) {
     const Eigen::Vector3d p(1e-3 * pick["position_mm"][0].as<double>(),
                             1e-3 * pick["position_mm"][1].as<double>(), 0.0);

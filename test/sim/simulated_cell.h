@@ -21,12 +21,13 @@ namespace planar_bin_picking::cell {
 /// pick_poses, of which the cell needs the places where the cup may go.
 struct PartKind {
   std::string name;
-  Shape fine;                            ///< to look at
-  Shape coarse;                          ///< to collide with
-  std::vector<Eigen::Vector2d> grasps;   ///< part frame, symmetric copies included
-  std::vector<Eigen::Isometry3d> twins;  ///< T_part_twin: poses that look the same, identity first
+  Shape fine;                           ///< to look at
+  Shape coarse;                         ///< to collide with
+  std::vector<Eigen::Vector2d> grasps;  ///< part frame, symmetric copies included
+  std::vector<Eigen::Isometry3d>
+      symmetric_poses;  ///< T_part_same: poses that look the same, identity first
   /// The same where the back is up: it has no print that could tell them apart.
-  std::vector<Eigen::Isometry3d> back_twins;
+  std::vector<Eigen::Isometry3d> back_symmetric_poses;
 };
 
 /// @throws std::runtime_error  unreadable, or without a drawing, thickness or pick pose

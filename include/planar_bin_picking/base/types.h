@@ -9,6 +9,9 @@
 ///     cv::Mat -> EdgeMap -> Candidate -> RefinedPose -> ScoredPose -> Detection
 ///               edges.h     hough.h      refine.h       score.h       rank.h
 ///
+/// Between refine.h and score.h a prior is fused with each RefinedPose: plane_prior.h where a plane
+/// is known, else scene_plane_prior.h.
+///
 /// Frames: `part` is the drawing's frame (x right, y up as drawn, z out of the drawn front face,
 /// the body in -thickness <= z <= 0); `camera` is the optical frame (x right, y down, z forward).
 /// Transforms are `T_target_source`: x_camera = T_camera_part * x_part. Metres and radians;
@@ -22,6 +25,8 @@
 ///  [3] S. Hinterstoisser et al.: Gradient response maps for real-time detection of textureless
 ///      objects. IEEE TPAMI 34(5), 2012.
 ///  [4] T. Collins, A. Bartoli: Infinitesimal plane-based pose estimation. IJCV 109(3), 2014.
+///  [5] P. Debevec, J. Malik: Recovering high dynamic range radiance maps from photographs. ACM
+///      SIGGRAPH 1997.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -75,7 +80,7 @@ struct RefinedPose {
 /// A refined pose with the evidence for and against it.
 struct ScoredPose : RefinedPose {
   double score = 0.0;             ///< 0..1, see locate/judge/score.h
-  double print = 0.0;             ///< share of the print in view that is borne out, 0..1
+  double print = 0.0;             ///< share of the print in view that is seen, 0..1
   double visible_fraction = 0.0;  ///< share of the visible face's area that nothing covers, 0..1
   std::vector<int> covered;       ///< the cells of PartModel::faceGrid() that something covers
 };
@@ -88,7 +93,7 @@ struct Detection : ScoredPose {
 /// What the stages did and how long each took; the core's replacement for logging.
 struct Report {
   struct Stage {
-    std::string name;      ///< edges, hough, refine, score, rank
+    std::string name;      ///< edges, hough, refine, plane (where one is known), score, rank
     double seconds = 0.0;  ///< wall time
     std::size_t out = 0;   ///< how many things it passed on
   };

@@ -7,10 +7,7 @@
 /// The merge is Debevec's and Malik's [5] with a known response in place of an estimated one
 /// (machine vision cameras are linear, or their gamma is known), and with the weights that photon
 /// noise asks for: light = sum of grey levels / sum of exposure times, over the exposures in which
-/// the pixel is not saturated. test/benchmark/hdr.md compares.
-///
-/// [5] P. Debevec, J. Malik: Recovering high dynamic range radiance maps from photographs. ACM
-///     SIGGRAPH 1997.
+/// the pixel is not saturated. test/benchmark/hdr.md compares. References are in types.h.
 
 #include <opencv2/core/mat.hpp>
 

@@ -99,7 +99,8 @@ struct Refused {
 struct PickPlan {
   struct Offer {
     std::size_t candidate = 0;
-    /// Of its pick poses, those at which the tool touches neither the bin's wall nor a cover.
+    /// Of its pick poses, those at which the tool touches neither the bin's wall nor what covers
+    /// the part.
     std::vector<std::size_t> picks;
     int failures = 0;
   };

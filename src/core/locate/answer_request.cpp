@@ -41,7 +41,7 @@ Eigen::Isometry3d turnOver(const PartModel& part) {
   return Eigen::Isometry3d(middle * Eigen::AngleAxisd(EIGEN_PI, axis) * middle.inverse());
 }
 
-bool facesLookAlike(const PartModel& part) { return part.symmetry().mirror && !part.hasPrint(); }
+bool hasEqualFaces(const PartModel& part) { return part.symmetry().mirror && !part.hasPrint(); }
 
 bool isWanted(Face face, FaceFilter wanted) {
   return wanted == FaceFilter::kAny || (wanted == FaceFilter::kFront) == (face == Face::kFront);
@@ -118,7 +118,7 @@ void answerRequest(const std::vector<Detection>& ranked, const LocateRequest& re
     const PartModel& part = *request.parts[d.part];
     if (isBeyondTilt(d, tilt_limit_deg)) continue;
     if (!isWanted(d.face, request.face)) {
-      if (!facesLookAlike(part)) {
+      if (!hasEqualFaces(part)) {
         const std::string up = d.face == Face::kFront ? "front" : "back";
         out->withheld.push_back({d, Withheld::kWrongFace, "its " + up + " is up"});
         continue;

@@ -66,18 +66,18 @@ class Pen {
     return cv::Point(static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())));
   }
 
-  /// The polyline in pixels, bent, in the stretches that lie within the view. Points nearer than
+  /// The polyline in pixels, bent, in the sections that lie within the view. Points nearer than
   /// anyone sees are left out: drawing is what takes the time.
   std::vector<std::vector<cv::Point>> trace(const std::vector<Eigen::Vector3d>& points) const {
     constexpr int kPieces = 8;  // per side; short ones merge again
-    std::vector<std::vector<cv::Point>> stretches(1);
+    std::vector<std::vector<cv::Point>> sections(1);
     const auto add = [&](const Eigen::Vector3d& p_camera, bool corner) {
       const auto p = pixel(p_camera);
-      std::vector<cv::Point>& stretch = stretches.back();
+      std::vector<cv::Point>& section = sections.back();
       if (!p) {
-        if (!stretch.empty()) stretches.emplace_back();
-      } else if (stretch.empty() || cv::norm(*p - stretch.back()) > (corner ? 3 : 40) << kShift) {
-        stretch.push_back(*p);
+        if (!section.empty()) sections.emplace_back();
+      } else if (section.empty() || cv::norm(*p - section.back()) > (corner ? 3 : 40) << kShift) {
+        section.push_back(*p);
       }
     };
     for (std::size_t i = 1; i < points.size(); ++i) {
@@ -87,13 +87,13 @@ class Pen {
       }
     }
     const auto last = pixel(points.back());
-    if (last && !stretches.back().empty()) stretches.back().push_back(*last);
-    return stretches;
+    if (last && !sections.back().empty()) sections.back().push_back(*last);
+    return sections;
   }
 
-  void draw(const std::vector<std::vector<cv::Point>>& stretches, const cv::Scalar& color,
+  void draw(const std::vector<std::vector<cv::Point>>& sections, const cv::Scalar& color,
             int width) {
-    cv::polylines(*canvas_, stretches, false, color, width, cv::LINE_AA, kShift);
+    cv::polylines(*canvas_, sections, false, color, width, cv::LINE_AA, kShift);
   }
 
   void dot(const Eigen::Vector3d& p_camera, const cv::Scalar& color) {
@@ -135,9 +135,9 @@ void drawOutline(Pen* pen, const PartModel& part, const Detection& detection) {
     std::vector<Eigen::Vector3d> points;
     for (const Eigen::Vector2d& p : loop.points) points.push_back(onFace(part, detection, p));
     if (loop.closed) points.push_back(points.front());
-    const auto stretches = pen->trace(points);
-    if (!print) pen->draw(stretches, kDark, 3 * pen->unit());
-    pen->draw(stretches, color, print ? pen->unit() : 2 * pen->unit());
+    const auto sections = pen->trace(points);
+    if (!print) pen->draw(sections, kDark, 3 * pen->unit());
+    pen->draw(sections, color, print ? pen->unit() : 2 * pen->unit());
   }
 }
 

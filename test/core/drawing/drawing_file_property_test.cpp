@@ -19,7 +19,7 @@ class AnyWay : public DrawingTest {
   int pick(int n) { return std::uniform_int_distribution<int>(0, n - 1)(random_); }
   double real(double a, double b) { return std::uniform_real_distribution<double>(a, b)(random_); }
 
-  /// A stretch of the outline: straight, or an arc about a center.
+  /// A section of the outline: straight, or an arc about a center.
   struct Side {
     Eigen::Vector2d a, b;
     double bulge = 0.0;

@@ -33,8 +33,8 @@ sim::Plate squarePlate() {
   return plate;
 }
 
-/// One plate on its back at the image's centre, where tilted twins look the same, leaning the other
-/// way from five neighbours.
+/// One plate on its back at the image's centre, where both solutions of a tilt look the same,
+/// leaning the other way from five neighbours.
 sim::Scene leaningAlone(const sim::Plate& plate, unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&](double min, double max) {

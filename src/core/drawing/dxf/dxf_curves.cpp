@@ -159,7 +159,7 @@ struct Tridiagonal {
 /// One row of the system: curvature is the same on both sides of a point.
 void makeSmooth(Tridiagonal* system, std::size_t row, double h0, double h1,
                 const Eigen::Vector2d& slope0, const Eigen::Vector2d& slope1) {
-  // Divided by the longer stretch, so that no product of two lengths can overflow.
+  // Divided by the longer section, so that no product of two lengths can overflow.
   const double scale = std::max(h0, h1);
   system->low[row] = h1 / scale;
   system->main[row] = 2.0 * (h0 / scale + h1 / scale);

@@ -22,7 +22,7 @@ Eigen::Isometry3d tilted(double degrees) {
          Eigen::AngleAxisd(degrees * kDegrees, Eigen::Vector3d::UnitX());
 }
 
-/// What speaks for the walls of `pose` where the plate lies at `truth`; `cover_mm` of its length
+/// Score of the walls of `pose` where the plate lies at `truth`; `cover_mm` of its length
 /// are covered.
 std::optional<double> wallScoreOf(const Eigen::Isometry3d& truth, const Eigen::Isometry3d& pose,
                                   double cover_mm = 0.0) {
@@ -42,10 +42,10 @@ std::optional<double> wallScoreOf(const Eigen::Isometry3d& truth, const Eigen::I
 TEST(WallEvidence, SpeaksForTheSideOnWhichTheWallIs) {
   for (const double tilt_deg : {-18.0, 18.0}) {
     const auto right = wallScoreOf(tilted(tilt_deg), tilted(tilt_deg)),
-               twin = wallScoreOf(tilted(tilt_deg), tilted(-tilt_deg));
-    ASSERT_TRUE(right && twin) << tilt_deg;
+               other = wallScoreOf(tilted(tilt_deg), tilted(-tilt_deg));
+    ASSERT_TRUE(right && other) << tilt_deg;
     EXPECT_GT(*right, 0.8) << tilt_deg;
-    EXPECT_LT(*twin, 0.3) << tilt_deg;
+    EXPECT_LT(*other, 0.3) << tilt_deg;
   }
 }
 

@@ -73,9 +73,9 @@ TEST(Score, AMissingHoleCostsMoreThanItsLength) {
 
 TEST(Score, AHoleThatIsElsewhereIsProofAgainstAPose) {
   const auto part = makePart("bracket", bracketPlate());
-  sim::Plate twin = bracketPlate();
-  twin.holes[0] = circle(-18, 6, 4.5, true);
-  EXPECT_LT(scored(sceneOf(twin, kLie), part, sim::poseOf(kLie)).score, 0.4);
+  sim::Plate other = bracketPlate();
+  other.holes[0] = circle(-18, 6, 4.5, true);
+  EXPECT_LT(scored(sceneOf(other, kLie), part, sim::poseOf(kLie)).score, 0.4);
 }
 
 TEST(Score, AHoleOfWhatLiesOverThePartProvesNothing) {

@@ -19,7 +19,7 @@ std::vector<RefinedPose> refined(const Shot& shot, const Parts& parts,
 /// A tenth of a pixel is 0.04 mm here; depth and tilt follow from the outline's size, 80 mm.
 constexpr double kMetres = 0.5e-3, kRadians = 0.5 * kDegrees;
 
-TEST(Refine, SettlesOnThePartFromARoughStart) {
+TEST(Refine, AlignsThePartFromARoughStart) {
   const Parts parts = {makePart("bracket", bracketPlate())};
   for (const bool front : {true, false}) {
     for (const double tilt : {4.0, 25.0}) {
