@@ -3,8 +3,10 @@
 #include "base/yaml_file.h"
 
 #include "base/regular_file.h"
+#include "planar_bin_picking/base/se3.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <locale>
 #include <set>
@@ -19,6 +21,8 @@ constexpr std::size_t kBytesMost = 2u << 20;  // some 10,000 samples of a calibr
 constexpr int kLevelsMost = 32;
 constexpr int kColumnsMost = 2 * kLevelsMost;  // of indentation
 constexpr std::size_t kNodesMost = 200000;     // with aliases written out
+
+constexpr double kUnit = 1e-3;  // off the length 1 of a quaternion, by rounding to four digits
 
 template <class T>
 bool parse(const std::string& text, T* value) {
@@ -189,6 +193,25 @@ std::string inOneLine(const YAML::Node& node) {
 void throwBadValue(const std::string& where, const std::string& key, const YAML::Node& node,
                    const std::string& expected) {
   throw std::runtime_error(where + ": " + key + " is " + inOneLine(node) + ", must be " + expected);
+}
+
+std::vector<double> numbersAt(const YAML::Node& map, const std::string& where,
+                              const std::string& key, std::size_t count) {
+  const std::string expected = "a list of " + std::to_string(count) + " numbers";
+  const auto values = valueAs<std::vector<double>>(map[key], where, key, expected);
+  const bool finite =
+      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+  if (values.size() != count || !finite) throwBadValue(where, key, map[key], expected);
+  return values;
+}
+
+Eigen::Isometry3d poseIn(const YAML::Node& map, const std::string& where) {
+  const auto p = numbersAt(map, where, "position", 3), o = numbersAt(map, where, "orientation", 4);
+  const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
+  if (std::abs(q.norm() - 1.0) > kUnit) {
+    throwBadValue(where, "orientation", map["orientation"], "a quaternion x y z w of length 1");
+  }
+  return rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
 }
 
 }  // namespace planar_bin_picking

@@ -5,7 +5,9 @@
 /// Reading YAML so that every complaint names the file, the key and what was expected there.
 
 #include <yaml-cpp/yaml.h>
+#include <Eigen/Geometry>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -58,5 +60,12 @@ T valueAs(const YAML::Node& node, const std::string& where, const std::string& k
   if (!node.IsDefined() || !convert(node, &value)) throwBadValue(where, key, node, expected);
   return value;
 }
+
+/// Exactly `count` finite numbers.
+std::vector<double> numbersAt(const YAML::Node& map, const std::string& where,
+                              const std::string& key, std::size_t count);
+
+/// The map's position: [x, y, z], metres, and orientation: [x, y, z, w], a unit quaternion.
+Eigen::Isometry3d poseIn(const YAML::Node& map, const std::string& where);
 
 }  // namespace planar_bin_picking

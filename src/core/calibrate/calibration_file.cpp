@@ -277,16 +277,6 @@ std::string handEyeXacro(const HandEyeResult& result, const Made& made) {
          "\"/>\n  </joint>\n</robot>\n";
 }
 
-Values numbers(const YAML::Node& root, const std::string& path, const std::string& key,
-               std::size_t count) {
-  const std::string expected = "a list of " + std::to_string(count) + " numbers";
-  const Values values = valueAs<Values>(root[key], path, key, expected);
-  bool finite = values.size() == count;
-  for (const double value : values) finite = finite && std::isfinite(value);
-  if (!finite) throwBadValue(path, key, root[key], expected);
-  return values;
-}
-
 std::string now() {
   const std::time_t seconds = std::time(nullptr);
   std::tm utc{};
@@ -375,12 +365,7 @@ HandEyeFile loadHandEye(const std::string& path) {
   };
   out.expected_error_mm = number("expected_error_mm");
   out.expected_error_deg = number("expected_error_deg");
-  const Values p = numbers(root, path, "position", 3), o = numbers(root, path, "orientation", 4);
-  const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
-  if (std::abs(q.norm() - 1.0) > 1e-3) {
-    throwBadValue(path, "orientation", root["orientation"], "a quaternion x y z w of length 1");
-  }
-  out.T_parent_child = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
+  out.T_parent_child = poseIn(root, path);
   return out;
 }
 

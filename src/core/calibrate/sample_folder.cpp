@@ -83,27 +83,12 @@ std::string cornersYaml(const SampleSet& set) {
   return text.str();
 }
 
-std::vector<double> numbers(const YAML::Node& node, const std::string& where,
-                            const std::string& key, std::size_t count) {
-  const std::string expected = "a list of " + std::to_string(count) + " numbers";
-  const auto values = valueAs<std::vector<double>>(node[key], where, key, expected);
-  const bool is_finite =
-      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-  if (values.size() != count || !is_finite) throwBadValue(where, key, node[key], expected);
-  return values;
-}
-
 Observation readObservation(const YAML::Node& node, const std::string& where, const Board& board) {
   if (!node.IsMap()) throw std::runtime_error(where + ": is no map");
   refuseUnknownKeys(node, where, {"image", "position", "orientation", "corners", "ids"});
   Observation observation;
   observation.name = valueAs<std::string>(node["image"], where, "image", "the path of a picture");
-  const auto p = numbers(node, where, "position", 3), o = numbers(node, where, "orientation", 4);
-  const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
-  if (std::abs(q.norm() - 1.0) > 1e-3) {
-    throwBadValue(where, "orientation", node["orientation"], "a quaternion x y z w of length 1");
-  }
-  observation.T_base_flange = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
+  observation.T_base_flange = poseIn(node, where);
   if (node["ids"].IsDefined()) {
     const std::string expected = "numbers of the board's corners";
     for (const int id : valueAs<std::vector<int>>(node["ids"], where, "ids", expected)) {
@@ -112,7 +97,7 @@ Observation readObservation(const YAML::Node& node, const std::string& where, co
     }
   }
   const std::size_t count = observation.ids.empty() ? board.size() : observation.ids.size();
-  const auto corners = numbers(node, where, "corners", 2 * count);
+  const auto corners = numbersAt(node, where, "corners", 2 * count);
   for (std::size_t i = 0; i < corners.size(); i += 2) {
     observation.corners.emplace_back(corners[i], corners[i + 1]);
   }
@@ -141,7 +126,7 @@ SampleSet readSet(const YAML::Node& root, const std::string& path) {
     problem.board.dictionary =
         valueAs<std::string>(root["dictionary"], path, "dictionary", "one of OpenCV's");
   }
-  const auto size = numbers(root, path, "image_size", 2);
+  const auto size = numbersAt(root, path, "image_size", 2);
   problem.width = static_cast<int>(size[0]);
   problem.height = static_cast<int>(size[1]);
   set.camera_frame =

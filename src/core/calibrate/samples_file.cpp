@@ -4,22 +4,10 @@
 
 #include "base/yaml_file.h"
 
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 namespace planar_bin_picking {
 namespace {
-
-std::vector<double> numbers(const YAML::Node& node, const std::string& where,
-                            const std::string& key, std::size_t count) {
-  const std::string expected = "a list of " + std::to_string(count) + " numbers";
-  const auto values = valueAs<std::vector<double>>(node, where, key, expected);
-  const bool finite =
-      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-  if (values.size() != count || !finite) throwBadValue(where, key, node, expected);
-  return values;
-}
 
 Sample readSample(const YAML::Node& node, const std::string& where) {
   if (!node.IsMap()) throw std::runtime_error(where + ": is no {image, position, orientation}");
@@ -27,13 +15,7 @@ Sample readSample(const YAML::Node& node, const std::string& where) {
   refuseUnknownKeys(node, where, {"image", "position", "orientation"});
   Sample sample;
   sample.name = valueAs<std::string>(node["image"], where, "image", "the path of a picture");
-  const auto p = numbers(node["position"], where, "position", 3);
-  const auto o = numbers(node["orientation"], where, "orientation", 4);
-  const Eigen::Quaterniond q(o[3], o[0], o[1], o[2]);
-  if (std::abs(q.norm() - 1.0) > 1e-3) {
-    throwBadValue(where, "orientation", node["orientation"], "a quaternion x y z w of length 1");
-  }
-  sample.T_base_flange = rigid(q.normalized().toRotationMatrix(), {p[0], p[1], p[2]});
+  sample.T_base_flange = poseIn(node, where);
   return sample;
 }
 

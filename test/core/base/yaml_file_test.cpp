@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 
 #include <chrono>
+#include <cmath>
 
 namespace planar_bin_picking {
 namespace {
@@ -125,6 +126,25 @@ TEST_F(YamlFile, ReadsPointsInEveryLocale) {
   EXPECT_EQ(valueAs<int>(root["b"], "", "b", ""), 1000);
   EXPECT_TRUE(refuses([&] { valueAs<double>(root["c"], "f", "c", "a number"); }, {"0,5"}));
   EXPECT_TRUE(refuses([&] { valueAs<double>(root["d"], "f", "d", "a number"); }, {"1.000,5"}));
+}
+
+TEST_F(YamlFile, ReadsPoses) {
+  const double h = std::sqrt(0.5);
+  const Eigen::Isometry3d T = poseIn(
+      load("position: [0.1, -0.2, 0.3]\norientation: [0, 0, 0.70710678, 0.70710678]\n"), "f");
+  EXPECT_TRUE(T.translation().isApprox(Eigen::Vector3d(0.1, -0.2, 0.3)));
+  EXPECT_TRUE(T.linear().isApprox(Eigen::Quaterniond(h, 0.0, 0.0, h).toRotationMatrix(),
+                                  1e-7));  // as many digits as written
+  const auto refusesPose = [&](const std::string& position, const std::string& orientation) {
+    const std::string text = "position: " + position + "\norientation: " + orientation + "\n";
+    const std::string wrong = position == "[0, 0, 0]" ? "orientation" : "position";
+    return refuses([&] { poseIn(load(text), "f: sample 1"); }, {"f: sample 1", wrong});
+  };
+  EXPECT_TRUE(refusesPose("[0, 0]", "[0, 0, 0, 1]"));
+  EXPECT_TRUE(refusesPose("[0, .nan, 0]", "[0, 0, 0, 1]"));
+  EXPECT_TRUE(refusesPose("[0, 0, 0]", "[0, 0, 0]"));
+  EXPECT_TRUE(refusesPose("[0, 0, 0]", "[0, 0, 0, 1.01]"));
+  EXPECT_TRUE(refusesPose("[0, 0, 0]", "[0, 0, 0, 0]"));
 }
 
 }  // namespace
