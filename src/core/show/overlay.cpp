@@ -16,7 +16,7 @@ namespace planar_bin_picking {
 namespace {
 
 const cv::Scalar kFrontColor(80, 220, 60), kBackColor(30, 140, 255);  // BGR: green, orange
-const cv::Scalar kCoverColor(60, 60, 230);                            // red
+const cv::Scalar kOcclusionColor(60, 60, 230);                        // red
 const cv::Scalar kDark(0, 0, 0), kLight(255, 255, 255);
 constexpr int kShift = 4;  ///< binary digits behind the point in OpenCV's drawing coordinates
 
@@ -142,9 +142,9 @@ void drawOutline(Pen* pen, const PartModel& part, const Detection& detection) {
 }
 
 /// A dot on each cell that something covers.
-void drawCover(Pen* pen, const PartModel& part, const Detection& detection) {
+void drawOcclusion(Pen* pen, const PartModel& part, const Detection& detection) {
   for (const int cell : detection.covered)
-    pen->dot(onFace(part, detection, part.faceGrid().cells().at(cell)), kCoverColor);
+    pen->dot(onFace(part, detection, part.faceGrid().cells().at(cell)), kOcclusionColor);
 }
 
 /// The part frame's axes at the drawing's origin: x red, y green, z blue.
@@ -169,7 +169,7 @@ cv::Mat drawOverlay(const cv::Mat& image, const Camera& camera,
   for (std::size_t rank = detections.size(); rank-- > 0;) {
     const Detection& detection = detections[rank];
     const PartModel& part = *parts.at(detection.part);
-    drawCover(&pen, part, detection);
+    drawOcclusion(&pen, part, detection);
     drawOutline(&pen, part, detection);
     drawAxes(&pen, part, detection);
   }

@@ -62,12 +62,12 @@ Counts occlusionOf(double x0, double x1, double y0, double y1, double grey, Miss
   return counts;
 }
 
-TEST(Cover, AFreeFaceHasNone) {
+TEST(Occlusion, AFreeFaceHasNone) {
   const Counts none = occlusionOf(0, 0, 0, 0, 0.0, [](const auto&) { return false; });
   EXPECT_EQ(none.inside + none.outside, 0);
 }
 
-TEST(Cover, AStripAcross) {
+TEST(Occlusion, AStripAcross) {
   for (const double grey : {90.0, 230.0}) {
     const Counts counts =
         occlusionOf(-10, 6, -40, 40, grey, [](const auto& p) { return p.x() > -10 && p.x() < 6; });
@@ -76,14 +76,14 @@ TEST(Cover, AStripAcross) {
   }
 }
 
-TEST(Cover, ACornerHidden) {
+TEST(Occlusion, ACornerHidden) {
   const Counts counts =
       occlusionOf(20, 60, 5, 60, 100.0, [](const auto& p) { return p.x() > 20 && p.y() > 5; });
   EXPECT_GT(counts.inside, 0.9 * 100);
   EXPECT_LT(counts.outside, 20);
 }
 
-TEST(Cover, AFaintStretchAloneIsNone) {
+TEST(Occlusion, AFaintSectionAloneIsNone) {
   // As long as the strip's ends, and nothing runs across the face.
   const Counts counts = occlusionOf(
       -10, 6, -25, -20, 0.0, [](const auto& p) { return p.x() > -10 && p.x() < 6 && p.y() < 0; });
@@ -91,12 +91,12 @@ TEST(Cover, AFaintStretchAloneIsNone) {
   EXPECT_EQ(counts.outside, 0);
 }
 
-TEST(Cover, AMarkOnTheFaceIsNone) {
+TEST(Occlusion, AMarkOnTheFaceIsNone) {
   const Counts counts = occlusionOf(-10, 6, -8, 8, 90.0, [](const auto&) { return false; });
   EXPECT_EQ(counts.inside + counts.outside, 0);
 }
 
-TEST(Cover, TextureBearsOutSomeOfACoveredStretch) {
+TEST(Occlusion, TextureLooksLikeSomeOfACoveredSection) {
   const auto hides = [](const Eigen::Vector2d& p) { return p.x() > -10 && p.x() < 6; };
   const Counts counts = occlusionOf(-10, 6, -40, 40, 100.0, [&](const auto& p) {
     return hides(p) && static_cast<int>(std::floor(2.0 * p.x())) % 5 < 3;  // two of five are "seen"
@@ -104,7 +104,7 @@ TEST(Cover, TextureBearsOutSomeOfACoveredStretch) {
   EXPECT_GT(counts.inside, 0.9 * 200);
 }
 
-TEST(Cover, WhatTheImageDoesNotShowCountsAsCovered) {
+TEST(Occlusion, WhatTheImageDoesNotShowCountsAsCovered) {
   const auto part = makePart("plain", plainPlate());
   sim::Lie lie = kLie;
   lie.x_mm = 600.0 * 0.5 * kPinhole.width / kPinhole.fx;  // its middle on the image's border

@@ -51,7 +51,7 @@ TEST(Rank, NeighboursThatTouchBothStay) {
   EXPECT_EQ(rankPoses({scoredAt(0, 0.7), scoredAt(70, 0.8)}, kParts, 0.5, {}).size(), 2u);
 }
 
-TEST(Rank, APrintThatIsSeenIsProofAgainstWhatHasNone) {
+TEST(Rank, APrintThatIsSeenIsEvidenceAgainstWhatHasNone) {
   sim::Plate plain = printedPlate();
   plain.prints.clear();
   const Parts parts = {makePart("printed", printedPlate()), makePart("plain", plain)};

@@ -71,7 +71,7 @@ TEST(Score, AMissingHoleCostsMoreThanItsLength) {
   EXPECT_LT(scored(sceneOf(solid, kLie), part, sim::poseOf(kLie)).score, 0.6);
 }
 
-TEST(Score, AHoleThatIsElsewhereIsProofAgainstAPose) {
+TEST(Score, AHoleThatIsElsewhereIsEvidenceAgainstAPose) {
   const auto part = makePart("bracket", bracketPlate());
   sim::Plate other = bracketPlate();
   other.holes[0] = circle(-18, 6, 4.5, true);
@@ -134,7 +134,7 @@ TEST(Score, AsMuchOfThePrintAsIsInViewIsJudged) {
   EXPECT_EQ(scored(scene, part, sim::poseOf(kLie)).print, 0.0);
 }
 
-TEST(Score, TheInsetIsFollowed) {
+TEST(Score, TheEdgeOffsetIsFollowed) {
   const auto part = makePart("bracket", bracketPlate());
   sim::Plate smaller = bracketPlate();  // as if its edges were bevelled by 0.4 mm
   smaller.outer = {{-32.6, -28.6}, {46.6, -28.6}, {46.6, -9.4},

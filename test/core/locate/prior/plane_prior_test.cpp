@@ -92,7 +92,7 @@ TEST(PlanePrior, SharpensDepthAndTiltOfBothFaces) {
   }
 }
 
-TEST(PlanePrior, DepthTakesAlongWhatHangsOnIt) {
+TEST(PlanePrior, WhatIsCorrelatedWithDepthChangesToo) {
   const Plane plane{-Eigen::Vector3d::UnitZ(), 0.6};
   const auto truth = lyingOn(plane, *kParts[0], Face::kFront, 0.1, 0.0, 0.0);
   RefinedPose found = foundNear(truth, Face::kFront, vector6(4e-4, 0, 2e-3, 0, 0, 0));

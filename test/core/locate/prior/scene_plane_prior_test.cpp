@@ -81,7 +81,7 @@ TEST(ScenePlane, FindsNormalAndSpreadOfBothFaces) {
   EXPECT_NEAR(scene->tilt_spread, 2.0 * kRadians, 0.7 * kRadians);
 }
 
-TEST(ScenePlane, NoPoseHasASayInItsOwnPrior) {
+TEST(ScenePlane, APoseIsLeftOutOfItsOwnPrior) {
   auto poses = lying(1.0, 8);
   const SceneFaces faces(poses, kParts);
   const auto others = faces.plane(3);
@@ -110,7 +110,7 @@ TEST(ScenePlane, DoubtfulTiltsCountLess) {
   EXPECT_FALSE(SceneFaces(poses, kParts, weights).plane());
 }
 
-TEST(ScenePlane, OpenTiltsGoToTheCommonOneAndKnownOnesStay) {
+TEST(ScenePlane, OpenTiltsFollowTheSceneAndKnownOnesStay) {
   const auto others = lying(1.0, 40);
   for (const Face face : {Face::kFront, Face::kBack}) {
     const RefinedPose common = poseAt(face, 10.0, -5.0, 0.1);
@@ -123,7 +123,7 @@ TEST(ScenePlane, OpenTiltsGoToTheCommonOneAndKnownOnesStay) {
   }
 }
 
-TEST(ScenePlane, LikelierTiltsAreTheCommonOnes) {
+TEST(ScenePlane, LikelierTiltsAreThoseOfTheScene) {
   const auto scene = planeOf(lying(1.0, 40));
   ASSERT_TRUE(scene);
   const auto at = [&](double degrees, double sigma_deg) {
