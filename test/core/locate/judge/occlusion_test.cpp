@@ -76,6 +76,20 @@ TEST(Occlusion, AStripAcross) {
   }
 }
 
+TEST(Occlusion, EndsWhereTheBrightnessChanges) {
+  // Strips along whole cells of 2 mm, off the middle; the outline is missing at their ends only.
+  for (const double grey : {90.0, 230.0}) {
+    const Counts upright =
+        occlusionOf(4, 16, -40, 40, grey, [](const auto& p) { return p.x() > 4 && p.x() < 16; });
+    EXPECT_EQ(upright.inside, 6 * 25) << grey;
+    EXPECT_EQ(upright.outside, 0) << grey;
+    const Counts level =
+        occlusionOf(-60, 60, -9, 5, grey, [](const auto& p) { return p.y() > -9 && p.y() < 5; });
+    EXPECT_EQ(level.inside, 40 * 7) << grey;
+    EXPECT_EQ(level.outside, 0) << grey;
+  }
+}
+
 TEST(Occlusion, ACornerHidden) {
   const Counts counts =
       occlusionOf(20, 60, 5, 60, 100.0, [](const auto& p) { return p.x() > 20 && p.y() > 5; });
@@ -106,12 +120,28 @@ TEST(Occlusion, TextureLooksLikeSomeOfACoveredSection) {
 
 TEST(Occlusion, WhatTheImageDoesNotShowCountsAsCovered) {
   const auto part = makePart("plain", plainPlate());
-  sim::Lie lie = kLie;
-  lie.x_mm = 600.0 * 0.5 * kPinhole.width / kPinhole.fx;  // its middle on the image's border
-  const Shot shot = shoot(sceneOf(plainPlate(), lie));
-  const auto covered = findOcclusion(part->faceGrid(), shot.edges, shot.camera, sim::poseOf(lie),
-                                     0.0, outlineOf([](const auto&) { return false; }));
-  EXPECT_GT(covered.size(), part->faceGrid().cells().size() / 4);
+  const std::vector<Eigen::Vector2d>& cells = part->faceGrid().cells();
+  for (const double side : {-1.0, 1.0}) {
+    for (const bool upright : {false, true}) {
+      sim::Lie lie = kLie;  // its middle on the image's border
+      (upright ? lie.y_mm : lie.x_mm) =
+          side * 600.0 * 0.5 * (upright ? kPinhole.height : kPinhole.width) / kPinhole.fx;
+      const Shot shot = shoot(sceneOf(plainPlate(), lie));
+      const auto covered =
+          findOcclusion(part->faceGrid(), shot.edges, shot.camera, sim::poseOf(lie), 0.0,
+                        outlineOf([](const auto&) { return false; }));
+      std::vector<int> outside;
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        const Eigen::Vector2d p =
+            shot.camera.project(sim::poseOf(lie) * Eigen::Vector3d(cells[i].x(), cells[i].y(), 0));
+        if (p.x() < 0 || p.y() < 0 || p.x() > kPinhole.width - 1 || p.y() > kPinhole.height - 1)
+          outside.push_back(static_cast<int>(i));
+      }
+      EXPECT_GT(outside.size(), cells.size() / 4);
+      EXPECT_TRUE(std::includes(covered.begin(), covered.end(), outside.begin(), outside.end()));
+      EXPECT_LT(covered.size(), cells.size()) << side << " " << upright;
+    }
+  }
 }
 
 }  // namespace

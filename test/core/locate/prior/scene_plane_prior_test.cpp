@@ -55,7 +55,7 @@ std::optional<ScenePlane> planeOf(const std::vector<RefinedPose>& poses) {
   return SceneFaces(poses, kParts).plane();
 }
 
-/// The pose after the others have had their say.
+/// The pose with the plane of the others as its prior.
 RefinedPose fusedAmong(const RefinedPose& pose, std::vector<RefinedPose> others) {
   others.push_back(pose);
   fuseWithScenePlane(kParts, &others);
@@ -132,7 +132,7 @@ TEST(ScenePlane, LikelierTiltsAreThoseOfTheScene) {
     return logTiltDensity(*scene, n, std::pow(sigma_deg * kRadians, 2));
   };
   EXPECT_GT(at(0, 1) - at(5, 1), 2.0);
-  // Some lie anyhow: beyond a few spreads, farther is hardly less likely.
+  // Some are outliers: beyond a few spreads, farther is hardly less likely.
   EXPECT_LT(at(10, 1) - at(15, 1), 1.0);
   EXPECT_GT(at(10, 1) - at(40, 1), 1.0);
   // What is badly measured says less.
@@ -187,6 +187,47 @@ TEST(ScenePlane, InALayerAnOpenDepthGoesToTheOthers) {
     EXPECT_LT(open.covariance(2, 2), std::pow(0.5e-3, 2));
     EXPECT_NEAR(heightOf(fusedAmong(poseAbove(face, 4.0, 0.05), others)), 4.0, 0.1);   // known
     EXPECT_NEAR(heightOf(fusedAmong(poseAbove(face, 30.0, 3.0), others)), 30.0, 1.0);  // on others
+  }
+}
+
+TEST(ScenePlane, IsThatOfTheUndersidesWhateverTheThickness) {
+  sim::Plate thick = bracketPlate();
+  thick.thickness_mm += 20.0;
+  const std::vector<std::shared_ptr<const PartModel>> parts = {kParts[0], makePart("thick", thick)};
+  std::vector<RefinedPose> poses;
+  for (int i = 0; i < 12; ++i) {
+    poses.push_back(poseAbove(i % 4 < 2 ? Face::kFront : Face::kBack, 0.0, 0.1));
+    RefinedPose& pose = poses.back();
+    if (i % 2 == 0) continue;
+    pose.part = 1;
+    const double z = (pose.T_camera_part * centreOf(*parts[1], pose.face)).translation().z();
+    pose.T_camera_part.translation().z() += 0.6 - parts[1]->thickness() - z;
+  }
+  const auto scene = SceneFaces(poses, parts).plane();
+  ASSERT_TRUE(scene);
+  EXPECT_NEAR(scene->plane.distance, 0.6, 1e-6);
+  EXPECT_LT(scene->height_spread, 0.3e-3);
+}
+
+TEST(ScenePlane, DensityIsThatOfTheMixture) {
+  // Nine in ten as the scene, one in ten with 15 degrees, each widened by the errors: Gaussians of
+  // two dimensions, but for a common factor.
+  const auto scene = planeOf(lying(1.0, 40));
+  ASSERT_TRUE(scene);
+  const double variance = std::pow(1.0 * kRadians, 2);
+  const auto expected = [&](double off) {
+    const double known = variance + std::pow(scene->tilt_sigma, 2);
+    const double in = known + std::pow(scene->tilt_spread, 2);
+    const double out = known + std::pow(15.0 * kRadians, 2);
+    return std::log(0.9 / in * std::exp(-0.5 * off * off / in) +
+                    0.1 / out * std::exp(-0.5 * off * off / out));
+  };
+  const Eigen::Vector3d n = scene->plane.normal_camera, aside = n.unitOrthogonal();
+  const double at_plane = logTiltDensity(*scene, n, variance);
+  for (const double degrees : {1.0, 3.0, 6.0, 12.0, 30.0}) {
+    const double off = degrees * kRadians;
+    const double found = logTiltDensity(*scene, n + off * aside, variance);
+    EXPECT_NEAR(found - at_plane, expected(off) - expected(0.0), 1e-9) << degrees;
   }
 }
 
