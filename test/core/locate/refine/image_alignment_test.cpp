@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/refine/image_alignment.h"
 
+#include "planar_bin_picking/base/se3.h"
 #include "support/stages.h"
 
 #include <gtest/gtest.h>
@@ -77,6 +78,63 @@ TEST(ImageAlignment, WhatNoEdgeHoldsStaysOpen) {
   EXPECT_GT(std::sqrt(along.dot(pose.covariance * along)), 0.5);
   // Where the others do not matter, across it is known well.
   EXPECT_LT(1.0 / std::sqrt(pose.covariance.inverse()(1, 1)), 0.01);
+}
+
+/// Of the pose against the true one: translation in radii, rotation in radians.
+Vector6d errorOf(const Eigen::Isometry3d& T_camera_centre) {
+  Vector6d xi =
+      log((sim::poseOf(kLie) * centreOf(*kBracket, Face::kFront)).inverse() * T_camera_centre);
+  xi.head<3>() /= kBracket->radius();
+  return xi;
+}
+
+TEST(ImageAlignment, MovesOntoTheEdges) {
+  const Shot shot = shoot(sceneOf(bracketPlate(), kLie));
+  const auto points = localPoints(*kBracket, 320, isShape);
+  const Eigen::Isometry3d T = sim::poseOf(kLie) * centreOf(*kBracket, Face::kFront);
+  for (const double side : {-1.0, 1.0}) {
+    Vector6d off;  // some 2 pixels
+    off << 0.01, -0.01, 0.01, 0.02, -0.02, 0.01;
+    ImagePose pose;
+    pose.T_camera_centre = stepped(T, side * off, kBracket->radius());
+    for (int round = 0; round < 3; ++round) {
+      pose = alignInImage(shot.edges, shot.camera, points, solidOf(*kBracket, Face::kFront),
+                          pose.T_camera_centre, kReach, kTukeyPx);
+    }
+    EXPECT_EQ(pose.status, AlignmentStatus::kAligned);
+    EXPECT_GT(pose.used, 300);
+    EXPECT_LT(errorOf(pose.T_camera_centre).norm(), 0.15 * off.norm());
+    EXPECT_LT(pose.residual_px, 0.3);
+  }
+}
+
+TEST(ImageAlignment, TellsByHowMuchTheEdgesLieInside) {
+  const Shot shot = shoot(sceneOf(bracketPlate(), kLie));
+  for (const double inside : {-0.01, 0.0, 0.01}) {  // radii: 0.8 pixels
+    auto points = localPoints(*kBracket, 320, isShape);
+    moveInward(-inside, &points);  // drawn so much larger
+    const ImagePose pose = poseFrom(shot, points);
+    ASSERT_EQ(pose.status, AlignmentStatus::kAligned);
+    EXPECT_NEAR(pose.offset, inside, 0.002) << inside;
+    EXPECT_LT(std::abs(pose.offset - inside), 3.0 * pose.offset_sigma);
+    EXPECT_LT(pose.offset_sigma, 0.004);
+  }
+}
+
+TEST(ImageAlignment, SaysHowThePoseFollowsTheEdgeOffset) {
+  const Shot shot = shoot(sceneOf(bracketPlate(), kLie));
+  const auto points = localPoints(*kBracket, 320, isShape);
+  constexpr double kStep = 0.003;  // radii
+  auto smaller = points, larger = points;
+  moveInward(kStep, &smaller);
+  moveInward(-kStep, &larger);
+  const Vector6d slope = (errorOf(poseFrom(shot, smaller).T_camera_centre) -
+                          errorOf(poseFrom(shot, larger).T_camera_centre)) /
+                         (2.0 * kStep);
+  const Vector6d said = poseFrom(shot, points).per_offset;
+  EXPECT_GT(slope.norm(), 1.0);  // a smaller part is nearer
+  EXPECT_LT((slope - said).norm(), 0.2 * slope.norm())
+      << slope.transpose() << " but it says " << said.transpose();
 }
 
 /// Errors against what the covariance says of them, over many pictures of ten points each.
