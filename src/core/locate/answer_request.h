@@ -18,8 +18,9 @@ Detection turnedOver(const Detection& detection, const PartModel& part);
 
 /// Splits the list by the request's face, then by its distances, and cuts what is left to
 /// max_parts; all in the list's order. What is tilted beyond the limit is in neither list.
-/// @param ranked  what overlaps a better one is gone already: if its face were judged before, a
-///                second choice with the right face would take the place of a part that has it not
+/// @param ranked  without poses that overlap better ones. If the face were judged before that, a
+///                worse pose with the face asked for would replace the right pose of a part whose
+///                other face is up
 /// @param out     its detections and its withheld ones are set
 void answerRequest(const std::vector<Detection>& ranked, const LocateRequest& request,
                    const Camera& camera, double tilt_limit_deg, LocateResult* out);

@@ -13,8 +13,8 @@ namespace planar_bin_picking {
 namespace {
 
 /// Where a side wall is in view and narrow, its lower edge may be the stronger one, and nothing
-/// tells which of the two was found: the rest of the outline should hold the pose. Narrower than
-/// half a pixel both are one edge; two pixels beyond the reach the lower one is not found.
+/// tells which of the two was found: the rest of the outline should determine the pose. Narrower
+/// than half a pixel both are one edge; two pixels beyond the reach the lower one is not found.
 constexpr double kWallUnseenPx = 0.5, kWallBeyondReachPx = 2.0, kTrustNarrowWall = 0.3;
 
 /// A step within one association moves no point farther than this many radii or radians: beyond,
