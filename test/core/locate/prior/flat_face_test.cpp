@@ -11,7 +11,11 @@
 namespace planar_bin_picking {
 namespace {
 
-const auto kBracket = makePart("bracket", bracketPlate());
+const auto kBracket = [] {
+  sim::Plate plate = bracketPlate();
+  plate.thickness_mm = 4.0;
+  return makePart("bracket", plate);
+}();
 
 Eigen::Isometry3d facing(double x_deg, double y_deg) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -57,6 +61,14 @@ TEST(FlatFace, AnExactPriorLaysThePartFlat) {
     EXPECT_LT(std::abs(left.residual(0)), 1e-6);
     EXPECT_LT(left.residual.tail<2>().norm(), 1e-5);
     EXPECT_EQ(fused.face, face);
+    // The visible face lies one thickness over the plane, looks along its normal, and nothing is
+    // left open of height and tilt.
+    const Eigen::Vector3d centre = fused.T_camera_part * centreOf(*kBracket, face).translation();
+    EXPECT_NEAR(kPlane.normal_camera.dot(centre) + kPlane.distance, kBracket->thickness(), 1e-6);
+    const double along = fused.T_camera_part.linear().col(2).dot(kPlane.normal_camera);
+    EXPECT_NEAR(along, face == Face::kFront ? 1.0 : -1.0, 1e-9);
+    for (const int k : {2, 3, 4}) EXPECT_LT(fused.covariance(k, k), 1e-12) << k;
+    EXPECT_NEAR(fused.covariance(5, 5), 1e-6, 1e-8);
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace planar_bin_picking {
@@ -92,6 +93,30 @@ TEST(PlanePrior, SharpensDepthAndTiltOfBothFaces) {
   }
 }
 
+TEST(PlanePrior, PictureAndPlaneCountByTheirPrecisions) {
+  const Plane plane{-Eigen::Vector3d::UnitZ(), 0.6};
+  const auto truth = lyingOn(plane, *kParts[0], Face::kFront, 0.0, 0.0, 0.0);
+  PlaneParams params;
+  params.sigma = 1e-3, params.sigma_tilt_deg = 1.0;
+  const double error = 1.5e-3;
+  const RefinedPose found = foundNear(truth, Face::kFront, vector6(0, 0, error, 0.01, 0, 0));
+  const auto fused = fuseWithPlane(found, *kParts[0], plane, params);
+  ASSERT_TRUE(fused);
+  const auto together = [](double variance, double sigma) {
+    return 1.0 / (1.0 / variance + 1.0 / (sigma * sigma));
+  };
+  const double depth = together(found.covariance(2, 2), params.sigma);
+  const double tilt = together(found.covariance(3, 3), params.sigma_tilt_deg * kDegrees);
+  EXPECT_NEAR(fused->covariance(2, 2), depth, 0.01 * depth);
+  EXPECT_NEAR(fused->covariance(3, 3), tilt, 0.01 * tilt);
+  EXPECT_NEAR(fused->covariance(4, 4), tilt, 0.01 * tilt);
+  // What of the errors is left: the picture's share.
+  const auto left = foundNear(truth, Face::kFront,
+                              vector6(0, 0, error * depth / found.covariance(2, 2),
+                                      0.01 * tilt / found.covariance(3, 3), 0, 0));
+  EXPECT_TRUE(isometryNear(fused->T_camera_part, left.T_camera_part, 2e-5, 0.01 * kDegrees));
+}
+
 TEST(PlanePrior, WhatIsCorrelatedWithDepthChangesToo) {
   const Plane plane{-Eigen::Vector3d::UnitZ(), 0.6};
   const auto truth = lyingOn(plane, *kParts[0], Face::kFront, 0.1, 0.0, 0.0);
@@ -142,6 +167,22 @@ TEST(PlanePrior, NarrowsTheDistances) {
   const auto lean = distancesOnPlane(camera, leaningBelt(), 0.003, {0.4, 0.8}, params);
   EXPECT_LT(lean->min, flat->min - 0.02);
   EXPECT_GT(lean->max, flat->max + 0.02);
+  // Leaning to both sides: any pixel sees the part's face within these distances, and some at their
+  // ends.
+  const Plane skewed{(leaningBelt().normal_camera + 0.1 * Eigen::Vector3d::UnitX()).normalized(),
+                     0.6};
+  const auto found = distancesOnPlane(camera, skewed, 0.003, {0.4, 0.8}, params);
+  Distances seen{1e9, 0.0};
+  for (int x = 0; x < kPinhole.width; ++x) {
+    for (const int y : {0, kPinhole.height - 1}) {
+      const Eigen::Vector3d ray = camera.undistort(Eigen::Vector2d(x, y)).homogeneous();
+      const double per_metre = 1.0 / std::abs(skewed.normal_camera.dot(ray));
+      seen.min = std::min(seen.min, (0.597 - slack) * per_metre);
+      seen.max = std::max(seen.max, (0.597 + slack) * per_metre);
+    }
+  }
+  EXPECT_NEAR(found->min, seen.min, 1e-9);
+  EXPECT_NEAR(found->max, seen.max, 1e-9);
   // A plane that rises to the horizon tells nothing about distances.
   const Plane steep{
       Eigen::AngleAxisd(80 * kDegrees, Eigen::Vector3d::UnitX()) * -Eigen::Vector3d::UnitZ(), 0.6};
