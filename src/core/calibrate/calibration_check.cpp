@@ -49,11 +49,7 @@ class Explanation {
   Explanation(const HandEyeProblem& problem, const HandEyeResult& calibrated,
               const std::vector<Observation>& views, const Part& part)
       : problem_(problem), views_(views), part_(part) {
-    chain_.mounting = problem.mounting;
-    chain_.intrinsics = fromModel(calibrated.camera);
-    chain_.denominator = denominatorOf(calibrated.camera);
-    chain_.T_mount_camera = calibrated.T_mount_camera;
-    chain_.T_other_board = calibrated.T_other_board;
+    chain_ = chainOf(problem, calibrated);
     pixel_ = std::max(kPixelLeast, calibrated.sigma_px);
     const double robot_t = std::max(kRobotMetresLeast, 1e-3 * calibrated.robot_mm);
     const double robot_r = std::max(kRobotRadiansLeast, calibrated.robot_deg / kDegrees);

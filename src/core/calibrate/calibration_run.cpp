@@ -22,6 +22,8 @@ constexpr double kRadians = 3.14159265358979323846 / 180.0;
 /// So many views, turned about two axes, give a provisional solution.
 constexpr std::size_t kFirstViews = 5;
 constexpr double kFirstShift = 0.02;  // metres
+/// Where a robot turns about one axis alone, the shifts tell how the camera is turned about it.
+constexpr double kFirstShiftUpright = 0.04;
 /// Turns of the first moves, about the flange's x, y and z.
 const double kFirstTurns[][3] = {{1, 0, 0},  {0, 1, 0},   {0, 0, 2},  {-1, 0, 0}, {0, -1, 0},
                                  {0, 0, -2}, {1, 1, 1},   {-1, 1, 1}, {1, -1, 1}, {-1, -1, 1},
@@ -41,6 +43,11 @@ constexpr double kSure = 3.0;
 bool isNear(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double metres, double radians) {
   const Eigen::Isometry3d between = a.inverse() * b;
   return between.translation().norm() < metres && rotationAngle(between.linear()) < radians;
+}
+
+Eigen::Matrix3d turnedAboutZ(double angle, const Eigen::Isometry3d& T_base_flange) {
+  return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+         T_base_flange.linear();
 }
 
 double largestSigma(const SharedMatrix& covariance, Eigen::Index at) {
@@ -192,13 +199,15 @@ std::optional<Eigen::Isometry3d> CalibrationRun::firstMove() {
   while (first_moves_ < 3 * kFirstMoves) {
     const double* const turns = kFirstTurns[first_moves_++ % kFirstMoves];
     const Eigen::Vector3d w = turn_ * Eigen::Vector3d(turns[0], turns[1], turns[2]);
+    const double shift = solver_.four_axis ? kFirstShiftUpright : kFirstShift;
     Vector6d xi = Vector6d::Zero();
     xi.tail<3>() = w;
     // A little aside, too: places about the start that cannot be reached lie next to each other.
     for (int i = 0; i < 3; ++i) {
-      xi[i] = kFirstShift * (2.0 * static_cast<double>(random_()) / 4294967295.0 - 1.0);
+      xi[i] = shift * (2.0 * static_cast<double>(random_()) / 4294967295.0 - 1.0);
     }
-    const Eigen::Isometry3d move = T_base_start_ * exp(xi);
+    Eigen::Isometry3d move = T_base_start_ * exp(xi);
+    if (solver_.four_axis) move.linear() = turnedAboutZ(w.sum(), T_base_start_);
     if (limits_.allowsTarget(move) && findWay(move)) return move;
   }
   return std::nullopt;
@@ -212,7 +221,8 @@ std::optional<Eigen::Isometry3d> CalibrationRun::bestMove() {
   int left = params_.candidates;
   for (int draw = 0; draw < 20 * params_.candidates && left > 0; ++draw) {
     const Eigen::Isometry3d move =
-        gain.draw(params_.tilt_max_deg * kRadians, T_base_start_, &random_);
+        solver_.four_axis ? gain.drawUpright(T_base_start_, &random_)
+                          : gain.draw(params_.tilt_max_deg * kRadians, T_base_start_, &random_);
     if (!limits_.allowsTarget(move) || isNearRefused(move, kSamePoseMetres, kSamePoseRadians))
       continue;
     const auto error = gain.errorAfter(move);
@@ -259,7 +269,8 @@ void CalibrationRun::update() {
   HandEyeParams provisional = solver_;
   provisional.min_views = 1000;
   const HandEyeResult solution = solveHandEye(problem_, provisional);
-  if (!solution.solved || !(solution.axes_deg > 0.2 * params_.first_turn_deg)) return;
+  const bool is_turned = solver_.four_axis || solution.axes_deg > 0.2 * params_.first_turn_deg;
+  if (!solution.solved || !is_turned) return;
   solution_ = solution;
   updateMounted();
 }

@@ -16,16 +16,6 @@ double uniform(double min, double max, std::mt19937* random) {
   return min + (max - min) * static_cast<double>((*random)()) / 4294967295.0;
 }
 
-Chain chainOf(const HandEyeProblem& problem, const HandEyeResult& solution) {
-  Chain chain;
-  chain.mounting = problem.mounting;
-  chain.intrinsics = fromModel(solution.camera);
-  chain.denominator = denominatorOf(solution.camera);
-  chain.T_mount_camera = solution.T_mount_camera;
-  chain.T_other_board = solution.T_other_board;
-  return chain;
-}
-
 /// RMS error of a part's position and rotation, and of the camera's own place.
 std::array<double, 4> errorsOf(const ErrorModel& model, const Eigen::MatrixXd& covariance) {
   const ExpectedError part = model.of(covariance);
@@ -58,6 +48,12 @@ ViewGain::ViewGain(const HandEyeProblem& problem, const HandEyeResult& solution,
     const Observation& view = problem.observations[i];
     information_ += viewInformation(chain_, noise_, view.points(problem.board), view.T_base_flange);
   }
+  if (solution.params.four_axis) {
+    const KnownHeight height{centreOf(problem.board), solution.params.board_z,
+                             1e-3 * solution.params.board_z_sigma_mm};
+    const auto J = height.jacobian(chain_.T_other_board);
+    information_.block<6, 6>(kBoard, kBoard) += J.transpose() * J;
+  }
   const auto lens = lensPrior(chain_.intrinsics, problem.width, problem.height);
   for (std::size_t i = 0; i < lens.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -66,6 +62,31 @@ ViewGain::ViewGain(const HandEyeProblem& problem, const HandEyeResult& solution,
   covariance_ =
       invertInformation(information_, options_).value_or(Eigen::MatrixXd::Zero(kColumns, kColumns));
   errors_ = errorsOf(model_, covariance_);
+}
+
+Eigen::Vector3d ViewGain::drawCentre(std::mt19937* random) const {
+  // From filling the image to a third of it.
+  const Board& board = problem_.board;
+  const double size = board.square * std::hypot(board.cols, board.rows);
+  const double fx = chain_.intrinsics[0], fy = chain_.intrinsics[1], cx = chain_.intrinsics[2],
+               cy = chain_.intrinsics[3];
+  const double fill = uniform(0.35, 1.0, random);
+  const double z = fx * size / (fill * std::min(problem_.width, problem_.height));
+  const double u = uniform(0.1, 0.9, random) * problem_.width,
+               v = uniform(0.1, 0.9, random) * problem_.height;
+  return {z * (u - cx) / fx, z * (v - cy) / fy, z};
+}
+
+Eigen::Isometry3d ViewGain::drawUpright(const Eigen::Isometry3d& T_base_start,
+                                        std::mt19937* random) const {
+  const double yaw = uniform(-1.0, 1.0, random) * (uniform(0.0, 1.0, random) < 0.5 ? 0.6 : 2.5);
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix() * T_base_start.linear();
+  const Eigen::Vector3d p_camera = drawCentre(random);
+  const Eigen::Vector3d p_other = chain_.T_other_board * centreOf(problem_.board);
+  const Eigen::Vector3d p_mount = chain_.T_mount_camera * p_camera;
+  return chain_.mounting == Mounting::kEyeInHand ? rigid(R, p_other - R * p_mount)
+                                                 : rigid(R, p_mount - R * p_other);
 }
 
 Eigen::Isometry3d ViewGain::draw(double tilt_max, const Eigen::Isometry3d& T_base_start,
@@ -80,16 +101,8 @@ Eigen::Isometry3d ViewGain::draw(double tilt_max, const Eigen::Isometry3d& T_bas
       (Eigen::AngleAxisd(tilt, Eigen::Vector3d(std::cos(axis), std::sin(axis), 0.0)) *
        Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()))
           .toRotationMatrix();
-  // From filling the image to a third of it.
-  const Board& board = problem_.board;
-  const double size = board.square * std::hypot(board.cols, board.rows);
-  const auto& [fx, fy, cx, cy, k1, k2, p1, p2, k3] = chain_.intrinsics;
-  const double fill = uniform(0.35, 1.0, random);
-  const double z = fx * size / (fill * std::min(problem_.width, problem_.height));
-  const double u = uniform(0.1, 0.9, random) * problem_.width,
-               v = uniform(0.1, 0.9, random) * problem_.height;
-  const Eigen::Vector3d centre(z * (u - cx) / fx, z * (v - cy) / fy, z);
-  const Eigen::Isometry3d T_camera_board = rigid(R, centre - R * centreOf(board));
+  const Eigen::Vector3d centre = drawCentre(random);
+  const Eigen::Isometry3d T_camera_board = rigid(R, centre - R * centreOf(problem_.board));
   return chain_.mounting == Mounting::kEyeInHand
              ? chain_.T_other_board * T_camera_board.inverse() * chain_.T_mount_camera.inverse()
              : chain_.T_mount_camera * T_camera_board * chain_.T_other_board.inverse();

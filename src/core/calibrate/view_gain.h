@@ -4,7 +4,7 @@
 
 /// What a further view would be worth, and whether the board would surely be in it.
 
-#include "calibrate/hand_eye/adjustment.h"
+#include "calibrate/hand_eye/normal_equations.h"
 #include "calibrate/hand_eye/verdict.h"
 
 #include <array>
@@ -34,7 +34,12 @@ class ViewGain {
   /// detector
   std::optional<double> errorAfter(const Eigen::Isometry3d& T_base_flange) const;
 
+  /// Likewise, with the flange turned about the base's z axis alone.
+  Eigen::Isometry3d drawUpright(const Eigen::Isometry3d& T_base_start, std::mt19937* random) const;
+
  private:
+  /// Where the board's centre is to be seen from the camera.
+  Eigen::Vector3d drawCentre(std::mt19937* random) const;
   bool surelySeen(const Eigen::Isometry3d& T_base_flange) const;
 
   const HandEyeProblem& problem_;

@@ -55,6 +55,13 @@ struct HandEyeParams {
   double tolerance_deg = 0.2;
   double working_distance = 0.0;  ///< metres from the camera to the parts; 0 = as the boards were
 
+  /// The robot turns about the base's z axis alone (SCARA, palletizer, gantry): pictures leave the
+  /// camera's height open, and board_z closes it: how high the middle of the board's inner corners
+  /// is, in the base's frame, or in the flange's for a board on the flange, and how sure that is.
+  bool four_axis = false;
+  double board_z = 0.0;  ///< metres
+  double board_z_sigma_mm = 1.0;
+
   /// Calls visit(key, member, min, max) for every parameter.
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -73,11 +80,14 @@ struct HandEyeParams {
     visit("tolerance_mm", self.tolerance_mm, 0.001, 1000.0);
     visit("tolerance_deg", self.tolerance_deg, 0.001, 90.0);
     visit("working_distance", self.working_distance, 0.0, 100.0);
+    visit("four_axis", self.four_axis, false, true);
+    visit("board_z", self.board_z, -100.0, 100.0);
+    visit("board_z_sigma_mm", self.board_z_sigma_mm, 0.001, 100.0);
   }
 };
 
 /// Columns of the parameters that all views share, as in HandEyeResult::covariance.
-enum SharedColumn { kIntrinsics = 0, kHandEye = 9, kBoard = 15, kSharedSize = 21 };
+enum SharedColumn { kIntrinsics = 0, kHandEye = 12, kBoard = 18, kSharedSize = 24 };
 
 using SharedMatrix = Eigen::Matrix<double, kSharedSize, kSharedSize>;
 
@@ -88,12 +98,20 @@ enum class Verdict {
 };
 const char* nameOf(Verdict verdict);  ///< GOOD, POOR, REFUSED
 
+/// A lens model that was tried: how well pictures that it was not made from fit it.
+struct LensTrial {
+  int coefficients = 0;      ///< 0, 1 (k1), 5 (plumb_bob), 8 (rational_polynomial)
+  double held_out_px = 0.0;  ///< residual with each board placed freely
+  bool is_chosen = false;
+};
+
 /// What became of one observation.
 struct ViewResult {
   bool used = false;
   std::string why_not;                     ///< where it was not used
   std::vector<Eigen::Vector2d> residuals;  ///< seen minus predicted, pixels; empty where not used
   double rms_px = 0.0;    ///< of them, over both coordinates' sum of squares / corners
+  double rms_mm = 0.0;    ///< the same at the board
   double floor_px = 0.0;  ///< the same with the board placed freely
   Vector6d correction = Vector6d::Zero();  ///< c of the robot pose
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
@@ -101,14 +119,17 @@ struct ViewResult {
 
 struct HandEyeResult {
   Verdict verdict = Verdict::kRefused;
-  std::vector<std::string> reasons;  ///< empty where GOOD; the heaviest first
-  std::string transform_name;        ///< T_flange_camera or T_base_camera
+  std::vector<std::string> reasons;    ///< empty where GOOD; the heaviest first
+  std::vector<std::string> notes;      ///< what else to know, no flaw
+  std::string transform_name;          ///< T_flange_camera or T_base_camera
+  HandEyeParams params;                ///< that it was made and judged by
+  std::vector<LensTrial> lens_trials;  ///< empty where the camera is given, or the views are few
   Eigen::Isometry3d T_mount_camera = Eigen::Isometry3d::Identity();  ///< mount: flange or base
   Eigen::Isometry3d T_other_board = Eigen::Isometry3d::Identity();   ///< other: base or flange
   Camera::Model camera;
   bool solved = false;  ///< the numbers below hold
-  /// Of [fx fy cx cy k1 k2 p1 p2 k3, xi of T_mount_camera, xi of T_other_board]; of a given camera:
-  /// zero unless the pictures contradict it, then by how much.
+  /// Of [fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6, xi of T_mount_camera, xi of T_other_board]; of a
+  /// given camera: zero unless the pictures contradict it, then by how much.
   SharedMatrix covariance = SharedMatrix::Zero();
   double rms_px = 0.0;    ///< whole chain, with the corrected robot poses
   double chain_px = 0.0;  ///< whole chain, with the robot poses as they were reported
@@ -127,6 +148,9 @@ struct HandEyeResult {
   /// places in the image: the calibration's share, with a robot that goes where it says.
   double expected_error_mm = 0.0, expected_error_deg = 0.0;
   double working_distance = 0.0;  ///< that it holds for
+  /// The same with the robot's own noise: of the pose that a camera on the flange looks from, and
+  /// of the pose that the flange goes to.
+  double with_robot_mm = 0.0, with_robot_deg = 0.0;
   /// How far T_mount_camera moves at most when one view is left out.
   double leave_one_out_mm = 0.0, leave_one_out_deg = 0.0;
   std::string leave_one_out_view;  ///< without which it moves farthest

@@ -17,10 +17,13 @@ namespace {
 class ViewCost : public ceres::CostFunction {
  public:
   ViewCost(const HandEyeProblem& problem, const Observation& observation, const Adjusted& state,
-           const std::vector<double>& weights)
-      : points_(observation.points(problem.board)), observation_(observation), chain_(state.chain) {
+           const std::vector<double>& weights, bool is_rational)
+      : points_(observation.points(problem.board)),
+        observation_(observation),
+        chain_(state.chain),
+        is_rational_(is_rational) {
     set_num_residuals(2 * static_cast<int>(points_.size()));
-    *mutable_parameter_block_sizes() = {9, 6, 6, 1, 6};
+    *mutable_parameter_block_sizes() = {kHandEye, 6, 6, 1, 6};
     for (const double weight : weights)
       roots_.push_back(std::sqrt(weight) / state.noise.effectivePixel());
   }
@@ -28,7 +31,7 @@ class ViewCost : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* out, double** jacobians) const override {
     using Xi = Eigen::Map<const Vector6d>;
     Chain chain = chain_;
-    std::copy(parameters[0], parameters[0] + 9, chain.intrinsics.begin());
+    std::copy(parameters[0], parameters[0] + kHandEye, chain.intrinsics.begin());
     const Increment increment{Xi(parameters[1]), Xi(parameters[2]), Xi(parameters[4]),
                               parameters[3][0]};
     const auto prediction =
@@ -40,7 +43,8 @@ class ViewCost : public ceres::CostFunction {
     }
     if (jacobians == nullptr) return true;
     const Eigen::MatrixXd& shared = prediction->shared;
-    fill(shared.middleCols(kIntrinsics, 9), jacobians[0]);
+    fill(shared.middleCols(kIntrinsics, kHandEye), jacobians[0]);
+    if (!is_rational_) holdDenominator(jacobians[0]);
     fill(shared.middleCols(kHandEye, 6), jacobians[1]);
     fill(shared.middleCols(kBoard, 6), jacobians[2]);
     fill(shared.middleCols(kScale, 1), jacobians[3]);
@@ -49,6 +53,14 @@ class ViewCost : public ceres::CostFunction {
   }
 
  private:
+  /// Nothing moves k4 k5 k6 then.
+  void holdDenominator(double* jacobian) const {
+    if (jacobian == nullptr) return;
+    for (int row = 0; row < num_residuals(); ++row) {
+      std::fill(jacobian + row * kHandEye + kDenominator, jacobian + (row + 1) * kHandEye, 0.0);
+    }
+  }
+
   template <class Block>
   void fill(const Block& block, double* jacobian) const {
     if (jacobian == nullptr) return;
@@ -62,6 +74,7 @@ class ViewCost : public ceres::CostFunction {
   const std::vector<Eigen::Vector3d> points_;
   const Observation& observation_;
   const Chain& chain_;
+  const bool is_rational_;
   std::vector<double> roots_;
 };
 
@@ -85,6 +98,28 @@ class PriorCost : public ceres::CostFunction {
 
  private:
   std::vector<double> sigmas_;
+};
+
+/// A board of known height.
+class HeightCost : public ceres::SizedCostFunction<1, 6> {
+ public:
+  HeightCost(const KnownHeight& height, const Eigen::Isometry3d& T_other_board)
+      : height_(height), T_other_board_(T_other_board) {}
+  bool Evaluate(double const* const* parameters, double* out, double** jacobians) const override {
+    const Eigen::Map<const Vector6d> xi(parameters[0]);
+    const Eigen::Isometry3d T = T_other_board_ * exp(xi);
+    out[0] = height_.error(T);
+    // Steps are small: the increment's own derivative is taken for one.
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 1, 6>> J(jacobians[0]);
+      J = height_.jacobian(T);
+    }
+    return true;
+  }
+
+ private:
+  const KnownHeight height_;
+  const Eigen::Isometry3d T_other_board_;
 };
 
 /// Ceres tells its log, and so stderr, of each step that it could not take; what comes of a solve
@@ -114,7 +149,7 @@ ceres::Solver::Options solverOptions() {
 /// One solve with noise and weights as they are in `state`.
 void solveOnce(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                const AdjustOptions& options, Adjusted* state) {
-  std::array<double, 9> intrinsics = state->chain.intrinsics;
+  Intrinsics intrinsics = state->chain.intrinsics;
   Increment shared;
   std::vector<Vector6d> corrections = state->corrections;
   ceres::Problem problem_ceres;
@@ -125,7 +160,8 @@ void solveOnce(const HandEyeProblem& problem, const std::vector<const Observatio
   double *const x = shared.mount_camera.data(), *const z = shared.other_board.data();
   for (std::size_t i = 0; i < views.size(); ++i) {
     double* const c = corrections[i].data();
-    problem_ceres.AddResidualBlock(new ViewCost(problem, *views[i], *state, state->weights[i]),
+    problem_ceres.AddResidualBlock(new ViewCost(problem, *views[i], *state, state->weights[i],
+                                                options.lens == LensFreedom::kRational),
                                    nullptr, intrinsics.data(), x, z, &shared.log_scale, c);
     problem_ceres.AddResidualBlock(new PriorCost(prior), nullptr, c);
     ordering->AddElementToGroup(c, 0);
@@ -141,6 +177,10 @@ void solveOnce(const HandEyeProblem& problem, const std::vector<const Observatio
                                    intrinsics.data());
   }
   if (!options.free_scale) problem_ceres.SetParameterBlockConstant(&shared.log_scale);
+  if (options.height) {
+    problem_ceres.AddResidualBlock(new HeightCost(*options.height, state->chain.T_other_board),
+                                   nullptr, z);
+  }
   ceres::Solver::Options solver = solverOptions();
   solver.linear_solver_ordering.reset(ordering);
   ceres::Solver::Summary summary;

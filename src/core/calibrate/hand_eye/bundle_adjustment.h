@@ -4,7 +4,7 @@
 
 /// Bundle adjustment over everything at once, and what is known afterwards.
 
-#include "calibrate/hand_eye/adjustment.h"
+#include "calibrate/hand_eye/normal_equations.h"
 
 namespace planar_bin_picking {
 

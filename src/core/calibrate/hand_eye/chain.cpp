@@ -4,6 +4,7 @@
 
 #include <ceres/jet.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace planar_bin_picking {
@@ -78,14 +79,13 @@ PoseDerivative differentiate(const Chain& chain, const Eigen::Isometry3d& T_base
 struct Pixel {
   Eigen::Vector2d p_image;
   Eigen::Matrix<double, 2, 3> by_point;
-  Eigen::Matrix<double, 2, 9> by_intrinsics;
+  Eigen::Matrix<double, 2, kHandEye> by_intrinsics;
 };
 
 /// Camera's formula, with derivatives by the point and by the intrinsics; it is linear in the
 /// latter.
 Pixel project(const Chain& chain, const Eigen::Vector3d& p) {
-  const auto& [fx, fy, cx, cy, k1, k2, p1, p2, k3] = chain.intrinsics;
-  const auto& [k4, k5, k6] = chain.denominator;
+  const auto& [fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6] = chain.intrinsics;
   const double x = p.x() / p.z(), y = p.y() / p.z(), r2 = x * x + y * y, r4 = r2 * r2;
   const double below = 1.0 + k4 * r2 + k5 * r4 + k6 * r4 * r2;
   const double radial = (1.0 + k1 * r2 + k2 * r4 + k3 * r4 * r2) / below;
@@ -103,10 +103,12 @@ Pixel project(const Chain& chain, const Eigen::Vector3d& p) {
   Pixel out;
   out.p_image = {fx * xd + cx, fy * yd + cy};
   out.by_point = Eigen::Vector2d(fx, fy).asDiagonal() * by_ideal * ideal_by_point / p.z();
+  // By k4 k5 k6 the numerator stays, and what is below it grows.
+  const double n2 = -radial * q2, n4 = -radial * q4, n6 = -radial * q6;
   out.by_intrinsics << xd, 0.0, 1.0, 0.0, fx * x * q2, fx * x * q4, fx * 2.0 * x * y,
-      fx * (r2 + 2.0 * x * x), fx * x * q6,  //
+      fx * (r2 + 2.0 * x * x), fx * x * q6, fx * x * n2, fx * x * n4, fx * x * n6,  //
       0.0, yd, 0.0, 1.0, fy * y * q2, fy * y * q4, fy * (r2 + 2.0 * y * y), fy * 2.0 * x * y,
-      fy * y * q6;
+      fy * y * q6, fy * y * n2, fy * y * n4, fy * y * n6;
   return out;
 }
 
@@ -148,7 +150,7 @@ std::optional<Prediction> predict(const Chain& chain, const Eigen::Isometry3d& T
     Eigen::Matrix<double, 3, kMotions> by_motion = T_camera_board.by_motion.bottomRows<3>();
     for (int k = 0; k < 3; ++k) by_motion += x[k] * T_camera_board.by_motion.middleRows<3>(3 * k);
     const Eigen::Matrix<double, 2, kMotions> m = pixel.by_point * by_motion;
-    out.shared.block<2, 9>(2 * i, kIntrinsics) = pixel.by_intrinsics;
+    out.shared.block<2, kHandEye>(2 * i, kIntrinsics) = pixel.by_intrinsics;
     out.shared.block<2, 12>(2 * i, kHandEye) = m.leftCols<12>();
     out.shared.block<2, 1>(2 * i, kScale) = pixel.by_point * turned;
     out.correction.middleRows<2>(2 * i) = m.rightCols<6>();
@@ -175,7 +177,7 @@ std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
   return out;
 }
 
-Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int height) {
+Camera::Model toModel(const Intrinsics& intrinsics, int width, int height) {
   Camera::Model model;
   model.width = width;
   model.height = height;
@@ -183,33 +185,29 @@ Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int he
   model.fy = intrinsics[1];
   model.cx = intrinsics[2];
   model.cy = intrinsics[3];
-  model.distortion.assign(intrinsics.begin() + 4, intrinsics.end());
+  const auto denominator = intrinsics.begin() + kDenominator;
+  const bool is_rational =
+      std::any_of(denominator, intrinsics.end(), [](double k) { return k != 0.0; });
+  if (is_rational) model.distortion_model = "rational_polynomial";
+  model.distortion.assign(intrinsics.begin() + 4, is_rational ? intrinsics.end() : denominator);
   return model;
 }
 
-Camera::Model toModel(const Chain& chain, int width, int height) {
-  Camera::Model model = toModel(chain.intrinsics, width, height);
-  if (chain.denominator == std::array<double, 3>{}) return model;
-  model.distortion_model = "rational_polynomial";
-  model.distortion.insert(model.distortion.end(), chain.denominator.begin(),
-                          chain.denominator.end());
-  return model;
-}
-
-std::array<double, 9> fromModel(const Camera::Model& model) {
-  std::array<double, 9> intrinsics{model.fx, model.fy, model.cx, model.cy};
-  for (std::size_t i = 0; i < 5 && i < model.distortion.size(); ++i) {
+Intrinsics fromModel(const Camera::Model& model) {
+  Intrinsics intrinsics{model.fx, model.fy, model.cx, model.cy};
+  for (std::size_t i = 0; i < 8 && i < model.distortion.size(); ++i) {
     intrinsics[4 + i] = model.distortion[i];
   }
   return intrinsics;
 }
 
-std::array<double, 3> denominatorOf(const Camera::Model& model) {
-  std::array<double, 3> denominator{};
-  for (std::size_t i = 5; i < 8 && i < model.distortion.size(); ++i) {
-    denominator[i - 5] = model.distortion[i];
-  }
-  return denominator;
+Chain chainOf(const HandEyeProblem& problem, const HandEyeResult& solution) {
+  Chain chain;
+  chain.mounting = problem.mounting;
+  chain.intrinsics = fromModel(solution.camera);
+  chain.T_mount_camera = solution.T_mount_camera;
+  chain.T_other_board = solution.T_other_board;
+  return chain;
 }
 
 double rms(const std::vector<Eigen::Vector2d>& residuals) {
@@ -226,26 +224,29 @@ Chain moved(const Chain& chain, const Increment& increment) {
   return out;
 }
 
-std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height,
-                                LensFreedom freedom) {
+Intrinsics lensPrior(const Intrinsics& intrinsics, int width, int height, LensFreedom freedom) {
   const double r = 0.5 * std::hypot(width, height) / intrinsics[0], r2 = r * r;
   // Shares of the distance of the image's corner from its centre: a strong lens has 0.3 in all.
   constexpr double kRadial = 0.3, kTangential = 0.02;
   // What is held this firmly moves no corner by a hundredth of a pixel.
   constexpr double kHeld = 1e-5;
-  const double k1 = freedom == LensFreedom::kFull   ? 1.0
-                    : freedom == LensFreedom::kNone ? kHeld
-                                                    : 0.1;
+  const bool is_free = freedom == LensFreedom::kFull || freedom == LensFreedom::kRational;
+  const double k1 = is_free ? 1.0 : freedom == LensFreedom::kNone ? kHeld : 0.1;
   const double others = freedom == LensFreedom::kFirstRadial ? kHeld : k1;
+  const double below = freedom == LensFreedom::kRational ? k1 : kHeld;
+  const double r4 = r2 * r2, r6 = r4 * r2;
   return {0.0,
           0.0,
           0.0,
           0.0,
           k1 * kRadial / r2,
-          others * kRadial / (r2 * r2),
+          others * kRadial / r4,
           others * kTangential / r,
           others * kTangential / r,
-          others * kRadial / (r2 * r2 * r2)};
+          others * kRadial / r6,
+          below * kRadial / r2,
+          below * kRadial / r4,
+          below * kRadial / r6};
 }
 
 }  // namespace planar_bin_picking

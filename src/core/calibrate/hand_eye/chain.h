@@ -14,12 +14,15 @@ namespace planar_bin_picking {
 /// Columns of a view's Jacobian: the shared parameters, then the logarithm of the board's scale.
 constexpr int kScale = kSharedSize, kColumns = kSharedSize + 1;
 
+/// fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6; the last three, of rational_polynomial alone, follow the
+/// others.
+using Intrinsics = std::array<double, kHandEye>;
+constexpr std::size_t kDenominator = 9;  ///< k4
+
 /// A point in the space of all shared parameters.
 struct Chain {
   Mounting mounting = Mounting::kEyeInHand;
-  std::array<double, 9> intrinsics{};  ///< fx fy cx cy k1 k2 p1 p2 k3
-  std::array<double, 3>
-      denominator{};  ///< k4 k5 k6 of a given rational_polynomial; never estimated
+  Intrinsics intrinsics{};
   Eigen::Isometry3d T_mount_camera = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_other_board = Eigen::Isometry3d::Identity();
   double scale = 1.0;  ///< of the board
@@ -54,11 +57,12 @@ SeenPoints seenPoints(const Board& board, const Observation& observation);
 std::vector<Eigen::Vector2d> residuals(const Chain& chain, const Board& board,
                                        const Observation& observation, const Vector6d& correction);
 
-/// The intrinsics as Camera has them, and back; denominatorOf() is what fromModel() leaves out.
-Camera::Model toModel(const std::array<double, 9>& intrinsics, int width, int height);
-Camera::Model toModel(const Chain& chain, int width, int height);
-std::array<double, 9> fromModel(const Camera::Model& model);
-std::array<double, 3> denominatorOf(const Camera::Model& model);
+/// The intrinsics as Camera has them, and back; plumb_bob where k4 k5 k6 are zero.
+Camera::Model toModel(const Intrinsics& intrinsics, int width, int height);
+Intrinsics fromModel(const Camera::Model& model);
+
+/// The chain of a solution.
+Chain chainOf(const HandEyeProblem& problem, const HandEyeResult& solution);
 
 /// Root mean square over the corners of the distance; both of one size, not empty.
 double rms(const std::vector<Eigen::Vector2d>& residuals);
@@ -66,9 +70,10 @@ double rms(const std::vector<Eigen::Vector2d>& residuals);
 /// The increment applied, and the place of a corrected robot pose.
 Chain moved(const Chain& chain, const Increment& increment);
 
-/// How freely the lens is estimated. Where the freest folds the image over, a plainer one is tried.
+/// How freely the lens is estimated. Where one folds the image over, a plainer one is tried.
 enum class LensFreedom {
-  kFull,         ///< all five coefficients, within what a strong lens has
+  kRational,     ///< eight coefficients: rational_polynomial
+  kFull,         ///< five coefficients, within what a strong lens has: plumb_bob
   kStiff,        ///< likewise, within a tenth of that
   kFirstRadial,  ///< k1 alone
   kNone,         ///< a pinhole
@@ -77,7 +82,7 @@ enum class LensFreedom {
 /// Standard deviations that keep lens coefficients sane while views are few: each term may move the
 /// image's corner by a large share of its distance from the centre; see chain.cpp. Order
 /// as intrinsics. Zero: no such limit.
-std::array<double, 9> lensPrior(const std::array<double, 9>& intrinsics, int width, int height,
-                                LensFreedom freedom = LensFreedom::kFull);
+Intrinsics lensPrior(const Intrinsics& intrinsics, int width, int height,
+                     LensFreedom freedom = LensFreedom::kFull);
 
 }  // namespace planar_bin_picking

@@ -70,6 +70,52 @@ std::optional<Chain> fromPairs(const std::vector<RelativePair>& pairs, bool free
   return chain;
 }
 
+/// For a robot that turns about z alone: the camera's tilt from the axis about which the board
+/// turns, its yaw and place across from (R_A - I) t_X - s Rz R t_B = -t_A. How high it is stays
+/// open.
+/// @param up  the axis, in the mount's frame
+std::optional<Chain> fromUprightPairs(const std::vector<PosePair>& motions,
+                                      const Eigen::Vector3d& up, bool free_scale) {
+  const Eigen::Isometry3d upright =
+      rigid(Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+            Eigen::Vector3d::Zero());
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  // z as the camera has it
+  Eigen::MatrixXd A(0, 4);
+  std::vector<RelativePair> pairs;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      pairs.push_back({upright * motions[i].robot * motions[k].robot.inverse() * upright.inverse(),
+                       motions[i].board * motions[k].board.inverse()});
+      const Eigen::Vector3d robot = rotationVector(pairs.back().robot.linear());
+      axis += robot.z() * rotationVector(pairs.back().board.linear());
+    }
+  }
+  if (!(axis.norm() > 0.0)) return std::nullopt;
+  const Eigen::Matrix3d tilt =
+      Eigen::Quaterniond::FromTwoVectors(axis, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const auto rows = 2 * static_cast<Eigen::Index>(pairs.size());
+  A.resize(rows, 4);
+  Eigen::VectorXd b(rows);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto at = 2 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector3d t = tilt * pairs[i].board.translation();
+    A.block<2, 2>(at, 0) =
+        pairs[i].robot.linear().topLeftCorner<2, 2>() - Eigen::Matrix2d::Identity();
+    A.block<2, 2>(at, 2) << -t.x(), t.y(), -t.y(), -t.x();
+    b.segment<2>(at) = -pairs[i].robot.translation().head<2>();
+  }
+  // x, y, and cosine and sine of the yaw times the scale.
+  const Eigen::VectorXd x = A.colPivHouseholderQr().solve(b);
+  const double scale = x.tail<2>().norm();
+  if (!x.allFinite() || !(scale > 0.0)) return std::nullopt;
+  Chain chain;
+  const Eigen::AngleAxisd yaw(std::atan2(x[3], x[2]), Eigen::Vector3d::UnitZ());
+  chain.T_mount_camera =
+      upright.inverse() * rigid(yaw.toRotationMatrix() * tilt, {x[0], x[1], 0.0});
+  chain.scale = free_scale ? scale : 1.0;
+  return chain;
+}
+
 std::optional<Eigen::Isometry3d> fromOpenCv(const std::vector<PosePair>& motions,
                                             cv::HandEyeCalibrationMethod method) {
   std::vector<cv::Mat> R_robot, t_robot, R_board, t_board;
@@ -208,19 +254,37 @@ double secondAxis(const std::vector<PosePair>& motions, const HandEyeParams& par
 }
 
 std::vector<Chain> closedForms(const HandEyeProblem& problem, const std::vector<PosePair>& motions,
-                               const std::array<double, 9>& intrinsics, const HandEyeParams& params,
+                               const Intrinsics& intrinsics, const HandEyeParams& params,
                                bool free_scale) {
   std::vector<Chain> chains;
   const auto add = [&](const Eigen::Isometry3d& T_mount_camera, double scale) {
     Chain chain;
     chain.mounting = problem.mounting;
     chain.intrinsics = intrinsics;
-    if (problem.camera) chain.denominator = denominatorOf(*problem.camera);
     chain.T_mount_camera = T_mount_camera;
     chain.scale = scale;
     chain.T_other_board = otherBoard(motions, T_mount_camera, scale);
     chains.push_back(chain);
   };
+  if (params.four_axis) {
+    // Of all heights that fit alike the one that is known.
+    const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+    const bool in_hand = problem.mounting == Mounting::kEyeInHand;
+    if (motions.empty()) return chains;
+    // The base's z axis in the mount's frame and in the board's other frame.
+    const Eigen::Matrix3d& robot = motions.front().robot.linear();
+    const Eigen::Vector3d up_mount = in_hand ? Eigen::Vector3d(robot * z) : z;
+    const Eigen::Vector3d up_other = in_hand ? z : Eigen::Vector3d(robot.transpose() * z);
+    const auto own = fromUprightPairs(motions, up_mount, free_scale);
+    if (!own || !(std::abs(up_other.z()) > 0.5)) return chains;
+    add(own->T_mount_camera, own->scale);
+    Chain& chain = chains.back();
+    const Eigen::Vector3d middle = 0.5 * problem.board.corner(problem.board.size() - 1);
+    const double lacking = params.board_z - (chain.T_other_board * (chain.scale * middle)).z();
+    chain.T_mount_camera.pretranslate(lacking / up_other.z() * up_mount);
+    chain.T_other_board.pretranslate(lacking / up_other.z() * up_other);
+    return chains;
+  }
   if (const auto own = fromPairs(usefulPairs(motions, params), free_scale)) {
     add(own->T_mount_camera, own->scale);
   }

@@ -35,11 +35,12 @@ std::vector<double> angleErrors(const std::vector<PosePair>& motions);
 /// RMS rotation of the robot about the second most used axis, radians; 0 with fewer than two pairs.
 double secondAxis(const std::vector<PosePair>& motions, const HandEyeParams& params);
 
-/// Closed forms: OpenCV's five and one over the pairs of useful angle; Tsai's needs no such choice.
+/// Closed forms: for robots that turn about z alone their own; for others OpenCV's five and one
+/// over the pairs of useful angle; Tsai's needs no such choice.
 /// @param free_scale  estimate the board's scale, too (own form alone)
 /// @return  chains without corrections, those that came out finite
 std::vector<Chain> closedForms(const HandEyeProblem& problem, const std::vector<PosePair>& motions,
-                               const std::array<double, 9>& intrinsics, const HandEyeParams& params,
+                               const Intrinsics& intrinsics, const HandEyeParams& params,
                                bool free_scale);
 
 }  // namespace planar_bin_picking

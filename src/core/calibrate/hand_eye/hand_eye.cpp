@@ -3,8 +3,8 @@
 #include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
 
 #include "calibrate/board/board_views.h"
-#include "calibrate/hand_eye/bundle_adjustment.h"
 #include "calibrate/hand_eye/closed_form.h"
+#include "calibrate/hand_eye/held_out.h"
 #include "calibrate/hand_eye/mistakes.h"
 #include "calibrate/hand_eye/observation_check.h"
 #include "calibrate/hand_eye/verdict.h"
@@ -52,8 +52,7 @@ double chainError(const Work& work, const Chain& chain) {
   return errors[errors.size() / 2];
 }
 
-std::optional<Chain> bestStart(const Work& work, const std::array<double, 9>& intrinsics,
-                               bool free_scale) {
+std::optional<Chain> bestStart(const Work& work, const Intrinsics& intrinsics, bool free_scale) {
   std::optional<Chain> best;
   double best_error = std::numeric_limits<double>::infinity();
   for (const Chain& chain :
@@ -66,8 +65,7 @@ std::optional<Chain> bestStart(const Work& work, const std::array<double, 9>& in
   return best;
 }
 
-std::optional<Adjusted> solveFrom(const Work& work, const std::array<double, 9>& intrinsics,
-                                  bool free_scale) {
+std::optional<Adjusted> solveFrom(const Work& work, const Intrinsics& intrinsics, bool free_scale) {
   const auto start = bestStart(work, intrinsics, free_scale);
   if (!start) return std::nullopt;
   AdjustOptions options = work.options;
@@ -122,6 +120,7 @@ void fillViews(const Work& work, const Adjusted& state, HandEyeResult* result) {
         state.chain.cameraBoard(observation.T_base_flange * exp(state.corrections[i]));
     view.residuals = residuals(state.chain, work.problem.board, observation, state.corrections[i]);
     view.rms_px = rms(view.residuals);
+    view.rms_mm = 1e3 * view.rms_px * view.T_camera_board.translation().z() / result->camera.fx;
     Chain placed = state.chain;
     placed.mounting = Mounting::kEyeToHand;
     placed.T_mount_camera = Eigen::Isometry3d::Identity();
@@ -142,13 +141,29 @@ void fillViews(const Work& work, const Adjusted& state, HandEyeResult* result) {
   result->pnp_floor_px = std::sqrt(floor / n);
 }
 
+/// What a robot adds that does not go where it says.
+void addRobot(HandEyeResult* result) {
+  // Of the pose that is gone to, at the flange; and of the one from which a camera on the flange
+  // looked, whose turn moves the part about the flange.
+  const bool looks = result->transform_name == "T_flange_camera";
+  const double reach =
+      (result->T_mount_camera * Eigen::Vector3d(0.0, 0.0, result->working_distance)).norm();
+  const double places = 3.0 * std::pow(result->robot_mm, 2);
+  const double turns = 3.0 * std::pow(result->robot_deg, 2);
+  const double swing = 2.0 * std::pow(1e3 * reach * result->robot_deg * kRadians, 2);
+  result->with_robot_mm =
+      std::sqrt(std::pow(result->expected_error_mm, 2) + places + (looks ? places + swing : 0.0));
+  result->with_robot_deg =
+      std::sqrt(std::pow(result->expected_error_deg, 2) + (looks ? 2.0 : 1.0) * turns);
+}
+
 void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result) {
   result->solved = true;
   result->T_mount_camera = state.chain.T_mount_camera;
   result->T_other_board = state.chain.T_other_board;
   result->camera = work.problem.camera
                        ? *work.problem.camera
-                       : toModel(state.chain, work.problem.width, work.problem.height);
+                       : toModel(state.chain.intrinsics, work.problem.width, work.problem.height);
   result->covariance = state.covariance.topLeftCorner<kSharedSize, kSharedSize>();
   result->sigma_px = state.noise.pixel;
   result->robot_mm = 1e3 * state.noise.robot_t;
@@ -176,10 +191,11 @@ void fillSolution(const Work& work, const Adjusted& state, HandEyeResult* result
   const ExpectedError error = model.of(state.covariance);
   result->expected_error_mm = 1e3 * error.metres;
   result->expected_error_deg = error.radians / kRadians;
+  addRobot(result);
 }
 
 /// The board's size, set free, against the robot's moves.
-void checkScale(const Work& work, const std::array<double, 9>& intrinsics, HandEyeResult* result) {
+void checkScale(const Work& work, const Intrinsics& intrinsics, HandEyeResult* result) {
   const auto state = solveFrom(work, intrinsics, true);
   if (!state) return;
   result->square_ratio = state->chain.scale;
@@ -210,90 +226,7 @@ void leaveOneOut(const Work& work, const Adjusted& state, HandEyeResult* result)
   }
 }
 
-/// Each view's error as the other views predict it, with its robot pose as reported; pixels.
-std::vector<double> heldOutErrors(const Work& work, const Adjusted& state) {
-  constexpr std::size_t kFolds = 5;
-  AdjustOptions options = work.options;
-  options.rounds = 0;
-  std::vector<double> errors(work.usable.size(), 0.0);
-  for (std::size_t fold = 0; fold < kFolds; ++fold) {
-    std::vector<const Observation*> views;
-    Adjusted start = startAt(state.chain, state.noise, {});
-    for (std::size_t i = 0; i < work.usable.size(); ++i) {
-      if (i % kFolds == fold) continue;
-      views.push_back(&work.usable[i].observation);
-      start.corrections.push_back(state.corrections[i]);
-      start.weights.push_back(state.weights[i]);
-    }
-    const Adjusted without = adjust(work.problem, views, start, options);
-    for (std::size_t i = fold; i < work.usable.size(); i += kFolds) {
-      const auto r = residuals(without.chain, work.problem.board, work.usable[i].observation,
-                               Vector6d::Zero());
-      errors[i] = r.empty() ? work.problem.width : rms(r);
-    }
-  }
-  return errors;
-}
-
-double meanOf(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-/// Whether `errors` are smaller than `reference` by more than chance, view by view.
-bool areSurelySmaller(const std::vector<double>& errors, const std::vector<double>& reference) {
-  // Two standard errors, and a quarter: the error as the robot reports its poses falls a little
-  // with any smaller noise, since that fits these poses more closely; the camera's place need not
-  // gain by it.
-  constexpr double kStandardErrors = 2.0, kShare = 0.25;
-  std::vector<double> gains;
-  for (std::size_t i = 0; i < errors.size(); ++i) gains.push_back(reference[i] - errors[i]);
-  const double gain = meanOf(gains);
-  double square = 0.0;
-  for (const double g : gains) square += (g - gain) * (g - gain);
-  const auto n = static_cast<double>(gains.size());
-  return gain > kStandardErrors * std::sqrt(square / (n * (n - 1.0))) &&
-         gain > kShare * meanOf(reference);
-}
-
-/// Errors of corners that the noise model does not know are easily taken for the robot's. Where
-/// held-out views are surely predicted better with another robot noise, that one is right.
-void chooseRobotNoise(Work* work, Adjusted* state, HandEyeResult* result) {
-  const Noise estimated = state->noise;
-  const std::vector<double> reference = heldOutErrors(*work, *state);
-  result->held_out_px = meanOf(reference);
-  if (work->options.fixed_robot_noise) return;
-  for (const double factor : {0.1, 0.3, 3.0}) {
-    Adjusted trial = *state;
-    trial.noise = estimated;
-    trial.noise.robot_t *= factor;
-    trial.noise.robot_r *= factor;
-    const std::vector<double> errors = heldOutErrors(*work, trial);
-    if (!areSurelySmaller(errors, reference) || !(meanOf(errors) < result->held_out_px)) continue;
-    AdjustOptions options = work->options;
-    options.fixed_robot_noise = true;
-    trial = adjust(work->problem, work->views(), trial, options);
-    if (!trial.converged || trial.degenerate) continue;
-    // What the corners cannot have is the robot's: a smaller noise may not leave it to them.
-    constexpr double kCornersAllow = 1.5;
-    if (trial.noise.pixel > kCornersAllow * estimated.pixel) continue;
-    result->held_out_px = meanOf(errors);
-    *state = trial;
-  }
-}
-
-/// Why the lens of a solution cannot be used; "" where it can.
-std::string lensError(const Work& work, const Adjusted& state) {
-  try {
-    const Camera checked(toModel(state.chain, work.problem.width, work.problem.height));
-    return "";
-  } catch (const std::invalid_argument& e) {
-    return e.what();
-  }
-}
-
-std::optional<Adjusted> solveRobustly(Work* work, const std::array<double, 9>& intrinsics,
+std::optional<Adjusted> solveRobustly(Work* work, const Intrinsics& intrinsics,
                                       std::vector<ViewResult>* views) {
   auto state = solveFrom(*work, intrinsics, false);
   if (state && dropOutliers(*state, work, views)) state = solveFrom(*work, intrinsics, false);
@@ -301,13 +234,12 @@ std::optional<Adjusted> solveRobustly(Work* work, const std::array<double, 9>& i
 }
 
 /// The steps of a solve, each of which may be the last.
-void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findings,
-           HandEyeResult* result) {
+void solve(Work* work, const Intrinsics& intrinsics, Findings* findings, HandEyeResult* result) {
   auto state = solveRobustly(work, intrinsics, &result->views);
   // Views that stay near the image's middle leave the lens beyond them open: a plainer one, then.
   for (const LensFreedom plainer :
        {LensFreedom::kStiff, LensFreedom::kFirstRadial, LensFreedom::kNone}) {
-    if (!state || lensError(*work, *state).empty()) break;
+    if (!state || lensError(work->problem, *state).empty()) break;
     work->options.lens = plainer;
     state = solveRobustly(work, intrinsics, &result->views);
   }
@@ -316,15 +248,19 @@ void solve(Work* work, const std::array<double, 9>& intrinsics, Findings* findin
   const bool enough = result->views_used >= work->params.min_views;
   if (enough) checkScale(*work, intrinsics, result);
   if (!state) return;
-  findings->camera_error = lensError(*work, *state);
+  findings->camera_error = lensError(work->problem, *state);
   if (!findings->camera_error.empty()) return;
-  if (enough) chooseRobotNoise(work, &*state, result);
+  if (enough) {
+    const HeldOut held_out{work->problem, work->views(), &work->options, &*state};
+    if (!work->options.fixed_camera) result->lens_trials = chooseLens(held_out);
+    result->held_out_px = chooseRobotNoise(held_out);
+  }
   fillSolution(*work, *state, result);
   if (enough) leaveOneOut(*work, *state, result);
 }
 
 /// The camera as given, or a first one from the corners.
-std::array<double, 9> firstCamera(const HandEyeProblem& problem) {
+Intrinsics firstCamera(const HandEyeProblem& problem) {
   if (problem.camera) return fromModel(*problem.camera);
   std::vector<SeenPoints> views;
   for (const Observation& observation : problem.observations) {
@@ -349,16 +285,21 @@ HandEyeResult solveHandEye(const HandEyeProblem& problem, const HandEyeParams& p
   const bool in_hand = problem.mounting == Mounting::kEyeInHand;
   result.transform_name = in_hand ? "T_flange_camera" : "T_base_camera";
   result.views.resize(problem.observations.size());
+  result.params = params;
   Findings findings;
   if (problem.observations.size() >= kFewest) {
-    const std::array<double, 9> intrinsics = firstCamera(problem);
+    const Intrinsics intrinsics = firstCamera(problem);
     Work work{problem, params, {}, {}, firstNoise(params)};
     work.options.fixed_camera = problem.camera.has_value();
     work.options.fixed_robot_noise = params.robot_sigma_mm > 0.0 && params.robot_sigma_deg > 0.0;
+    if (params.four_axis) {
+      const Eigen::Vector3d middle = 0.5 * problem.board.corner(problem.board.size() - 1);
+      work.options.height = KnownHeight{middle, params.board_z, 1e-3 * params.board_z_sigma_mm};
+    }
     work.usable = checkObservations(problem, params, intrinsics, &result.views, &findings);
     result.views_used = static_cast<int>(work.usable.size());
     result.axes_deg = secondAxis(work.motions(), params) / kRadians;
-    if (result.axes_deg < params.axes_min_deg && work.usable.size() >= kFewest) {
+    if (work.usable.size() >= kFewest) {
       findings.turns = nameTurnFault(problem.observations, result.axes_deg, params);
     }
     if (work.usable.size() >= kFewest) solve(&work, intrinsics, &findings, &result);

@@ -33,9 +33,8 @@ struct Fit {
   Chain chain;
 };
 
-Fit fit(const HandEyeProblem& problem, const std::array<double, 9>& intrinsics,
-        const HandEyeParams& params, const std::vector<Observation>& observations,
-        const std::vector<PosePair>& pairs) {
+Fit fit(const HandEyeProblem& problem, const Intrinsics& intrinsics, const HandEyeParams& params,
+        const std::vector<Observation>& observations, const std::vector<PosePair>& pairs) {
   Fit out;
   const auto chains = closedForms(problem, pairs, intrinsics, params, true);
   if (chains.empty()) return out;
@@ -167,7 +166,7 @@ std::vector<Eigen::Isometry3d> choose(const std::vector<std::vector<Eigen::Isome
   return best.poses;
 }
 
-Fit fitWith(const HandEyeProblem& problem, const std::array<double, 9>& intrinsics,
+Fit fitWith(const HandEyeProblem& problem, const Intrinsics& intrinsics,
             const HandEyeParams& params, const Views& views, const Undo& undo) {
   std::vector<std::vector<Eigen::Isometry3d>> candidates;
   for (const Observation& o : views.observations) candidates.push_back(undo(o.T_base_flange));
@@ -227,7 +226,7 @@ std::string nameUnit(double scale) {
   return "";
 }
 
-Views viewsOf(const HandEyeProblem& problem, const std::array<double, 9>& intrinsics) {
+Views viewsOf(const HandEyeProblem& problem, const Intrinsics& intrinsics) {
   const Camera::Model camera =
       problem.camera ? *problem.camera : toModel(intrinsics, problem.width, problem.height);
   Views views;
@@ -242,7 +241,7 @@ Views viewsOf(const HandEyeProblem& problem, const std::array<double, 9>& intrin
 
 }  // namespace
 
-bool areLateByOne(const HandEyeProblem& problem, const std::array<double, 9>& intrinsics,
+bool areLateByOne(const HandEyeProblem& problem, const Intrinsics& intrinsics,
                   const HandEyeParams& params, const std::vector<Observation>& observations,
                   const std::vector<PosePair>& pairs) {
   if (pairs.size() < kFewest + 1) return false;
@@ -260,7 +259,7 @@ bool areLateByOne(const HandEyeProblem& problem, const std::array<double, 9>& in
          shifted < kFarBetter * fit(problem, intrinsics, params, observations, pairs).error_px;
 }
 
-std::string nameMistake(const HandEyeProblem& problem, const std::array<double, 9>& intrinsics,
+std::string nameMistake(const HandEyeProblem& problem, const Intrinsics& intrinsics,
                         const HandEyeParams& params) {
   const Views views = viewsOf(problem, intrinsics);
   if (views.observations.size() < kFewest) return "";
@@ -313,24 +312,32 @@ std::string nameTurnFault(const std::vector<Observation>& observations, double s
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(square / count);
   const double first_deg = std::sqrt(std::max(0.0, eigen.eigenvalues()[2])) / kRadians;
   const double second_deg = std::sqrt(std::max(0.0, eigen.eigenvalues()[1])) / kRadians;
-  const double upright = std::abs(eigen.eigenvectors()(2, 2));
+  const bool is_upright = std::abs(eigen.eigenvectors()(2, 2)) > std::cos(5.0 * kRadians);
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text.precision(3);
   // A robot with four axes keeps its flange upright as well as it is built.
   constexpr double kUprightDeg = 0.5;
-  if (first_deg < 2.0 * params.axes_min_deg) {
+  const bool is_four_axis = second_deg < kUprightDeg && is_upright;
+  if (params.four_axis
+          ? first_deg < 2.0 * params.axes_min_deg
+          : first_deg < 2.0 * params.axes_min_deg && second_axis_deg < params.axes_min_deg) {
     text << "views too much alike: the robot turned by " << first_deg
          << " deg RMS, and about a second "
          << "axis by " << second_axis_deg << " deg, needed are " << params.axes_min_deg
          << " deg; allow a larger workspace and cone, and tilt the flange by 20 deg and more";
-  } else if (second_deg < kUprightDeg && upright > std::cos(5.0 * kRadians)) {
+  } else if (params.four_axis && !is_four_axis) {
+    text << "four_axis is set, but the robot turned by " << second_deg
+         << " deg RMS about an axis that is not the base's z; set four_axis to false";
+  } else if (params.four_axis || second_axis_deg >= params.axes_min_deg) {
+    return "";
+  } else if (is_four_axis) {
     text << "4-axis robot: it turns about the vertical axis alone (rotations about one axis; the "
             "second is turned about by "
          << second_deg
-         << " deg RMS), so that the camera's height and tilt stay open; tilt the flange if the "
-            "robot "
-            "can, else calibrate this camera by other means";
+         << " deg RMS), so that the camera's height stays open; touch the middle of the board with "
+            "the robot and give its height as board_z, with four_axis true; or tilt the flange if "
+            "the robot can";
   } else {
     text << "rotations about one axis: the second axis is turned about by " << second_axis_deg
          << " deg RMS, needed are " << params.axes_min_deg

@@ -10,8 +10,10 @@
 namespace planar_bin_picking {
 namespace {
 
-using CameraVector = Eigen::Matrix<double, kHandEye, 1>;
-using CameraMatrix = Eigen::Matrix<double, kHandEye, kHandEye>;
+/// Of the given camera those of plumb_bob are tested: k4 k5 k6 do nearly what k1 k2 k3 do.
+constexpr Eigen::Index kTested = kDenominator;
+using CameraVector = Eigen::Matrix<double, kTested, 1>;
+using CameraMatrix = Eigen::Matrix<double, kTested, kTested>;
 
 /// Squared scores of the views at columns [from, from + size), over what independent corners give.
 double scatter(const Normals& normals, const Eigen::MatrixXd& C, Eigen::Index from,
@@ -52,7 +54,7 @@ CameraMatrix meanSquare(const CameraMatrix& information, const CameraVector& sco
     regular.diagonal().array() += 1.0 / variance;
     posterior = regular.ldlt().solve(CameraMatrix::Identity());
     error = posterior * score;
-    const double determined = std::max(0.5, kHandEye - posterior.trace() / variance);
+    const double determined = std::max(0.5, kTested - posterior.trace() / variance);
     variance = std::max(1e-12, error.squaredNorm() / determined);
   }
   return posterior + error * error.transpose();
@@ -60,16 +62,25 @@ CameraMatrix meanSquare(const CameraMatrix& information, const CameraVector& sco
 
 }  // namespace
 
-void widenByScoreScatter(const Normals& normals, const AdjustOptions& options, Adjusted* state) {
+void scaleByScoreScatter(const Normals& normals, const AdjustOptions& options, Adjusted* state) {
+  // A handful of views may scatter little by chance.
+  constexpr double kLeastVariance = 0.6;
   Eigen::VectorXd widths = Eigen::VectorXd::Ones(kColumns);
   const std::vector<Eigen::Index> columns = estimatedColumns(options);
-  const Eigen::Index starts[] = {kIntrinsics, kHandEye, kBoard, kScale, kColumns};
+  const Eigen::Index starts[] = {kIntrinsics, kHandEye, kHandEye + 3, kBoard,
+                                 kBoard + 3,  kScale,   kColumns};
   for (std::size_t i = 0; i + 1 < std::size(starts); ++i) {
-    const Eigen::Index from = starts[i], size = starts[i + 1] - from;
-    if (std::find(columns.begin(), columns.end(), from) == columns.end()) continue;
-    // Less scatter than expected is luck: nothing is taken for better than the model has it.
-    widths.segment(from, size)
-        .setConstant(std::sqrt(std::max(1.0, scatter(normals, state->covariance, from, size))));
+    const Eigen::Index from = starts[i];
+    // Those of the block that are estimated; they are its first ones.
+    const Eigen::Index size = std::count_if(columns.begin(), columns.end(), [&](Eigen::Index k) {
+      return k >= from && k < starts[i + 1];
+    });
+    if (size == 0) continue;
+    const double seen = scatter(normals, state->covariance, from, size);
+    // One view more, which scatters as expected: few views do not say much either way.
+    const auto count = static_cast<double>(normals.views.size());
+    const double variance = (count * seen + 1.0) / (count + 1.0);
+    widths.segment(from, size).setConstant(std::sqrt(std::max(kLeastVariance, variance)));
   }
   state->covariance = (widths.asDiagonal() * state->covariance * widths.asDiagonal()).eval();
 }
@@ -84,26 +95,33 @@ void widenByGivenCamera(const HandEyeProblem& problem, const Normals& normals, A
     H += normal.marginal().topLeftCorner<kSharedSize, kSharedSize>();
     score += normal.score.head<kSharedSize>();
   }
+  // Without the rows and columns of k4 k5 k6.
+  constexpr Eigen::Index kAll = kTested + kOthers;
+  Eigen::Matrix<double, kSharedSize, kAll> keep = Eigen::Matrix<double, kSharedSize, kAll>::Zero();
+  keep.topLeftCorner<kTested, kTested>().setIdentity();
+  keep.bottomRightCorner<kOthers, kOthers>().setIdentity();
+  const Eigen::Matrix<double, kAll, kAll> information_all = keep.transpose() * H * keep;
   // What all else does when the camera changes, and what is left of the information on the camera.
-  const Eigen::Matrix<double, kOthers, kHandEye> others_by_camera =
-      -H.bottomRightCorner<kOthers, kOthers>().ldlt().solve(
-          H.bottomLeftCorner<kOthers, kHandEye>());
+  const Eigen::Matrix<double, kOthers, kTested> others_by_camera =
+      -information_all.bottomRightCorner<kOthers, kOthers>().ldlt().solve(
+          information_all.bottomLeftCorner<kOthers, kTested>());
   const CameraVector pixel_steps = pixelSteps(problem, state->chain);
   const auto steps = pixel_steps.asDiagonal();
-  const CameraMatrix information = steps *
-                                   (H.topLeftCorner<kHandEye, kHandEye>() +
-                                    H.topRightCorner<kHandEye, kOthers>() * others_by_camera) *
-                                   steps;
+  const CameraMatrix information =
+      steps *
+      (information_all.topLeftCorner<kTested, kTested>() +
+       information_all.topRightCorner<kTested, kOthers>() * others_by_camera) *
+      steps;
   const CameraVector own_score =
-      steps * (score.head<kHandEye>() + others_by_camera.transpose() * score.tail<kOthers>());
+      steps * (score.head<kTested>() + others_by_camera.transpose() * score.tail<kOthers>());
   const double model_error = own_score.dot(information.ldlt().solve(own_score));
   if (!(model_error > kByChance)) return;
   state->camera_model_error = model_error;
   const CameraMatrix error = steps * meanSquare(information, own_score) * steps;
-  Eigen::Matrix<double, kSharedSize, kHandEye> by_camera;
+  Eigen::Matrix<double, kAll, kTested> by_camera;
   by_camera << CameraMatrix::Identity(), others_by_camera;
   state->covariance.topLeftCorner<kSharedSize, kSharedSize>() +=
-      by_camera * error * by_camera.transpose();
+      keep * by_camera * error * by_camera.transpose() * keep.transpose();
 }
 
 }  // namespace planar_bin_picking

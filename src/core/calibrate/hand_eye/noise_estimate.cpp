@@ -74,6 +74,24 @@ double wideningOf(const Board& board, double correlation) {
   return std::sqrt(std::max(1.0, (Q.transpose() * R * Q).trace() / 3.0));
 }
 
+/// Degrees of freedom that the solution has taken from the corners. Of a view's correction those
+/// that the corners determine: what an accurate robot holds follows no corner.
+double takenFromCorners(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
+                        const AdjustOptions& options, const Adjusted& state) {
+  const auto shared = static_cast<double>(estimatedColumns(options).size());
+  double corrections = 6.0 * static_cast<double>(views.size());
+  const auto normals = normalsOf(problem, views, options, state);
+  if (!normals) return shared + corrections;
+  const double square_t = std::pow(state.noise.robot_t, 2);
+  const double square_r = std::pow(state.noise.robot_r, 2);
+  for (const Normal& normal : normals->views) {
+    const Matrix6d posterior = normal.correction.inverse();
+    corrections -= posterior.topLeftCorner<3, 3>().trace() / square_t +
+                   posterior.bottomRightCorner<3, 3>().trace() / square_r;
+  }
+  return shared + std::max(0.0, corrections);
+}
+
 /// Pixel noise from the median distance, each corner's weight, and how much correlation widens.
 void weighCorners(const HandEyeProblem& problem, const std::vector<const Observation*>& views,
                   const AdjustOptions& options, Adjusted* state) {
@@ -91,8 +109,7 @@ void weighCorners(const HandEyeProblem& problem, const std::vector<const Observa
     }
   }
   const double count = 2.0 * static_cast<double>(all.size());
-  const double taken = 6.0 * static_cast<double>(views.size()) +
-                       static_cast<double>(estimatedColumns(options).size());
+  const double taken = takenFromCorners(problem, views, options, *state);
   constexpr double kMedianOfRayleigh = 1.1774;
   // Drawn images have corners without any noise; the floor keeps the weights finite.
   const double sigma = std::max(
@@ -148,7 +165,7 @@ void estimateCovariance(const HandEyeProblem& problem, const std::vector<const O
   state->covariance = covariance ? *covariance : Eigen::MatrixXd::Zero(kColumns, kColumns);
   state->camera_model_error = 0.0;
   if (state->degenerate) return;
-  widenByScoreScatter(*normals, options, state);
+  scaleByScoreScatter(*normals, options, state);
   if (options.fixed_camera && !options.free_scale) widenByGivenCamera(problem, *normals, state);
 }
 

@@ -4,7 +4,7 @@
 
 /// How noisy corners and robot are, from what is left over, and the covariance that follows.
 
-#include "calibrate/hand_eye/adjustment.h"
+#include "calibrate/hand_eye/normal_equations.h"
 
 namespace planar_bin_picking {
 

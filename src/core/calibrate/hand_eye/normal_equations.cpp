@@ -51,10 +51,18 @@ Eigen::MatrixXd Normal::marginal() const {
   return shared - mixed * correction.llt().solve(mixed.transpose());
 }
 
+Eigen::Matrix<double, 1, 6> KnownHeight::jacobian(const Eigen::Isometry3d& T_other_board) const {
+  Eigen::Matrix<double, 3, 6> by_increment;
+  by_increment << Eigen::Matrix3d::Identity(), -skew<double>(p_board);
+  return (T_other_board.linear() * by_increment).row(2) / sigma;
+}
+
 std::vector<Eigen::Index> estimatedColumns(const AdjustOptions& options) {
   std::vector<Eigen::Index> columns;
   for (Eigen::Index i = 0; i < kColumns; ++i) {
     if (i < kHandEye && options.fixed_camera) continue;
+    const bool is_denominator = i >= static_cast<Eigen::Index>(kDenominator) && i < kHandEye;
+    if (is_denominator && options.lens != LensFreedom::kRational) continue;
     if (i == kScale && !options.free_scale) continue;
     columns.push_back(i);
   }
@@ -77,6 +85,10 @@ std::optional<Normals> normalsOf(const HandEyeProblem& problem,
   for (std::size_t i = 0; i < lens.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     if (lens[i] > 0.0) out.information(k, k) += 1.0 / (lens[i] * lens[i]);
+  }
+  if (options.height) {
+    const auto J = options.height->jacobian(state.chain.T_other_board);
+    out.information.block<6, 6>(kBoard, kBoard) += J.transpose() * J;
   }
   return out;
 }

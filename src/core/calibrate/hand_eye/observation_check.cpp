@@ -83,8 +83,8 @@ std::vector<Usable> withoutRepeated(const HandEyeProblem& problem, const std::ve
 }  // namespace
 
 std::vector<Usable> checkObservations(const HandEyeProblem& problem, const HandEyeParams& params,
-                                      const std::array<double, 9>& intrinsics,
-                                      std::vector<ViewResult>* views, Findings* findings) {
+                                      const Intrinsics& intrinsics, std::vector<ViewResult>* views,
+                                      Findings* findings) {
   const Camera::Model camera =
       problem.camera ? *problem.camera : toModel(intrinsics, problem.width, problem.height);
   std::vector<Usable> usable;

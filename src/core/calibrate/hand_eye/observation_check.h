@@ -19,7 +19,7 @@ struct Usable {
 /// Sorts out orderings, repeated views, wrong pairs and stale robot poses; says in `views` what
 /// became of each.
 std::vector<Usable> checkObservations(const HandEyeProblem& problem, const HandEyeParams& params,
-                                      const std::array<double, 9>& intrinsics,
-                                      std::vector<ViewResult>* views, Findings* findings);
+                                      const Intrinsics& intrinsics, std::vector<ViewResult>* views,
+                                      Findings* findings);
 
 }  // namespace planar_bin_picking

@@ -21,20 +21,19 @@ Matrix6d adjoint(const Eigen::Isometry3d& T) {
 }
 
 /// How the pose of a part that is seen at T_camera_part follows [intrinsics, xi of T_mount_camera].
-Eigen::Matrix<double, 6, 15> partByCalibration(const Chain& chain,
-                                               const Eigen::Isometry3d& T_camera_part) {
+Eigen::Matrix<double, 6, kBoard> partByCalibration(const Chain& chain,
+                                                   const Eigen::Isometry3d& T_camera_part) {
   Chain seen;
   seen.mounting = Mounting::kEyeToHand;
   seen.intrinsics = chain.intrinsics;
-  seen.denominator = chain.denominator;
   const Board part{2, 2, 0.1 * T_camera_part.translation().z()};
   seen.T_other_board.translation() = Eigen::Vector3d(-0.5, -0.5, 0.0) * part.square;
-  Eigen::Matrix<double, 6, 15> out = Eigen::Matrix<double, 6, 15>::Zero();
+  Eigen::Matrix<double, 6, kBoard> out = Eigen::Matrix<double, 6, kBoard>::Zero();
   const auto prediction = predict(seen, T_camera_part, Increment(), part.points(), true);
   if (!prediction) return out;
   // The pixels stay: what the intrinsics move, the pose has to move back.
-  out.leftCols<9>() = -prediction->correction.colPivHouseholderQr().solve(
-      prediction->shared.middleCols(kIntrinsics, 9));
+  out.leftCols<kHandEye>() = -prediction->correction.colPivHouseholderQr().solve(
+      prediction->shared.middleCols(kIntrinsics, kHandEye));
   out.rightCols<6>() = adjoint(T_camera_part.inverse());
   return out;
 }
@@ -157,14 +156,47 @@ void judgeError(const HandEyeParams& params, const HandEyeResult& result, Reason
   }
 }
 
+/// What else a user has to know.
+void addNotes(const HandEyeParams& params, HandEyeResult* result) {
+  std::vector<std::string>& notes = result->notes;
+  notes.clear();
+  if (!result->solved) return;
+  if (params.four_axis) {
+    notes.push_back(
+        "4-axis robot: the height is not from the pictures; it holds as well as board_z, " +
+        number(params.board_z, 5) + " m +- " + millimetres(params.board_z_sigma_mm));
+  }
+  // The pictures fit the corrected poses only.
+  constexpr double kLarge = 3.0;
+  if (result->verdict == Verdict::kGood && result->chain_px > kLarge * result->rms_px) {
+    notes.push_back(
+        "the residual of the chain, " + number(result->chain_px, 3) +
+        " px, is the robot's: its poses are off by " + millimetres(result->robot_mm) + " and " +
+        degrees(result->robot_deg) + " per axis; the calibration averages that out (residual " +
+        number(result->rms_px, 3) + " px with corrected poses), but each move has it again");
+  }
+  for (const LensTrial& trial : result->lens_trials) {
+    if (trial.is_chosen && trial.coefficients != 5) {
+      notes.push_back("lens of " + std::to_string(trial.coefficients) +
+                      " coefficients: held-out pictures are off by " +
+                      number(trial.held_out_px, 3) + " px, with another model by " +
+                      number(result->lens_trials.front().held_out_px, 3) +
+                      " px, or that one folds the image over");
+    }
+  }
+}
+
 }  // namespace
 
-ErrorModel::ErrorModel(const Chain& chain, int width, int height, double distance) {
-  const Camera camera(toModel(chain, width, height));
-  const std::pair<double, double> places[] = {
-      {0.5, 0.5}, {0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}};
-  for (const auto& [u, v] : places) {
-    const Eigen::Vector2d p_ideal = camera.undistort({u * width, v * height});
+ErrorModel::ErrorModel(const Chain& chain, int width, int height, double distance)
+    : ErrorModel(chain, width, height, distance,
+                 {{0.5, 0.5}, {0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}}) {}
+
+ErrorModel::ErrorModel(const Chain& chain, int width, int height, double distance,
+                       const std::vector<Eigen::Vector2d>& places) {
+  const Camera camera(toModel(chain.intrinsics, width, height));
+  for (const Eigen::Vector2d& place : places) {
+    const Eigen::Vector2d p_ideal = camera.undistort({place.x() * width, place.y() * height});
     Eigen::Isometry3d T_camera_part = Eigen::Isometry3d::Identity();
     T_camera_part.translation() = distance * Eigen::Vector3d(p_ideal.x(), p_ideal.y(), 1.0);
     by_calibration_.push_back(partByCalibration(chain, T_camera_part));
@@ -174,7 +206,7 @@ ErrorModel::ErrorModel(const Chain& chain, int width, int height, double distanc
 ExpectedError ErrorModel::of(const Eigen::MatrixXd& covariance) const {
   double square_t = 0.0, square_r = 0.0;
   for (const auto& L : by_calibration_) {
-    const Matrix6d of_part = L * covariance.topLeftCorner<15, 15>() * L.transpose();
+    const Matrix6d of_part = L * covariance.topLeftCorner<kBoard, kBoard>() * L.transpose();
     square_t += of_part.topLeftCorner<3, 3>().trace();
     square_r += of_part.bottomRightCorner<3, 3>().trace();
   }
@@ -205,6 +237,7 @@ void judge(const HandEyeProblem& problem, const HandEyeParams& params, const Fin
                                                 : Verdict::kGood;
   result->reasons = reasons.refusing;
   result->reasons.insert(result->reasons.end(), reasons.limiting.begin(), reasons.limiting.end());
+  addNotes(params, result);
 }
 
 }  // namespace planar_bin_picking

@@ -18,10 +18,13 @@ struct ExpectedError {
 class ErrorModel {
  public:
   ErrorModel(const Chain& chain, int width, int height, double distance);
+  /// @param places  others, in shares of the image's width and height
+  ErrorModel(const Chain& chain, int width, int height, double distance,
+             const std::vector<Eigen::Vector2d>& places);
   ExpectedError of(const Eigen::MatrixXd& covariance) const;
 
  private:
-  std::vector<Eigen::Matrix<double, 6, 15>> by_calibration_;  // of each place's pose
+  std::vector<Eigen::Matrix<double, 6, kBoard>> by_calibration_;  // of each place's pose
 };
 
 /// What the checks before the solution found.

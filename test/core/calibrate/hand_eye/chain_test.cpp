@@ -47,10 +47,10 @@ TEST_P(HandEyeModel, PredictsWhatTheCellShows) {
 
 TEST_P(HandEyeModel, PredictsWhatARationalCameraShows) {
   Chain chain = trueChain(cell_);
-  chain.denominator = {0.2, -0.1, 0.05};
-  const Camera camera(toModel(chain, cell_.camera.width, cell_.camera.height));
+  chain.intrinsics[9] = 0.2, chain.intrinsics[10] = -0.1, chain.intrinsics[11] = 0.05;
+  const Camera camera(toModel(chain.intrinsics, cell_.camera.width, cell_.camera.height));
   ASSERT_EQ(camera.model().distortion_model, "rational_polynomial");
-  EXPECT_EQ(denominatorOf(camera.model()), chain.denominator);
+  EXPECT_EQ(fromModel(camera.model()), chain.intrinsics);
   const auto prediction = predict(chain, observation_.T_base_flange, {}, board_.points(), false);
   ASSERT_TRUE(prediction);
   const Eigen::Isometry3d T_camera_board = chain.cameraBoard(observation_.T_base_flange);
@@ -63,9 +63,9 @@ TEST_P(HandEyeModel, PredictsWhatARationalCameraShows) {
 TEST_P(HandEyeModel, JacobiansEqualDifferences) {
   using Point = Eigen::Matrix<double, kColumns + 6, 1>;
   Chain chain = trueChain(cell_);
-  chain.denominator = {0.2, -0.1, 0.05};
+  chain.intrinsics[9] = 0.2, chain.intrinsics[10] = -0.1, chain.intrinsics[11] = 0.05;
   Point at = Point::Zero();
-  for (int i = 0; i < 9; ++i) at[i] = chain.intrinsics[static_cast<std::size_t>(i)];
+  for (int i = 0; i < kHandEye; ++i) at[i] = chain.intrinsics[static_cast<std::size_t>(i)];
   // Away from zero, since the solver asks there, too.
   at.segment<6>(kHandEye) << 0.01, -0.02, 0.005, 0.02, 0.01, -0.03;
   at.segment<6>(kBoard) << -0.01, 0.01, 0.02, -0.01, 0.02, 0.01;
@@ -73,7 +73,7 @@ TEST_P(HandEyeModel, JacobiansEqualDifferences) {
   at.tail<6>() << 0.002, 0.001, -0.003, 0.004, -0.002, 0.001;
   const auto full = [&](const Point& x, bool jacobians) {
     Chain moved_chain = chain;
-    for (int i = 0; i < 9; ++i) moved_chain.intrinsics[static_cast<std::size_t>(i)] = x[i];
+    for (int i = 0; i < kHandEye; ++i) moved_chain.intrinsics[static_cast<std::size_t>(i)] = x[i];
     const Increment increment{x.segment<6>(kHandEye), x.segment<6>(kBoard), x.tail<6>(), x[kScale]};
     return *predict(moved_chain, observation_.T_base_flange, increment, board_.points(), jacobians);
   };
