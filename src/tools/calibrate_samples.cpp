@@ -15,16 +15,30 @@
 #include "planar_bin_picking/image/camera_file.h"
 
 #include <filesystem>
+#include <limits>
 
 namespace planar_bin_picking {
 namespace {
 
 const char kName[] = "calibrate_samples";
 
+double numberOf(const std::string& text) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  double number = std::numeric_limits<double>::quiet_NaN();
+  in >> number;
+  return (in >> std::ws).eof() ? number : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string wrongNumber(const std::string& text) {
+  return std::isfinite(numberOf(text)) ? "" : "is \"" + text + "\", must be a number";
+}
+
 struct Options {
   std::string board, board_file, mode, samples, camera_info, output;
   double square = 0.0;
   std::string replace_good = "no";
+  std::string board_z;  // "" = the robot turns about several axes
 };
 
 void addOptions(CLI::App* app, Options* options) {
@@ -68,6 +82,12 @@ void addOptions(CLI::App* app, Options* options) {
                   "yes: a POOR calibration replaces a GOOD one in DIR; no: it goes to DIR/poor")
       ->type_name("yes|no")
       ->check(CLI::IsMember({"yes", "no"}));
+  app->add_option("--board-z", options->board_z,
+                  "for a robot that turns about the base's z axis alone: height of the middle of "
+                  "the board's inner corners, as the robot touched it, in the base's frame, or in "
+                  "the flange's for a board on the flange, metres")
+      ->type_name("M")
+      ->check(wrongNumber);
   app->footer("Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.");
 }
 
@@ -150,6 +170,7 @@ void print(const HandEyeResult& result, const Seen& seen) {
     std::printf("  %s: not used: %s\n", seen.problem.observations[i].name.c_str(),
                 result.views[i].why_not.c_str());
   }
+  for (const std::string& note : result.notes) std::printf("  note: %s\n", note.c_str());
   if (!result.solved) return;
   const Eigen::Vector3d t = result.T_mount_camera.translation();
   std::printf("%s [%.6f %.6f %.6f] m\n", result.transform_name.c_str(), t.x(), t.y(), t.z());
@@ -158,8 +179,10 @@ void print(const HandEyeResult& result, const Seen& seen) {
   std::printf("residual %.3f px, chain %.3f px, floor %.3f px; robot noise %.3f mm %.4f deg\n",
               result.rms_px, result.chain_px, result.pnp_floor_px, result.robot_mm,
               result.robot_deg);
-  std::printf("expected error %.3f mm %.4f deg at %.3f m\n", result.expected_error_mm,
-              result.expected_error_deg, result.working_distance);
+  std::printf(
+      "expected error %.3f mm %.4f deg at %.3f m, with the robot's noise %.3f mm %.4f deg\n",
+      result.expected_error_mm, result.expected_error_deg, result.working_distance,
+      result.with_robot_mm, result.with_robot_deg);
 }
 
 int run(const Options& options) {
@@ -175,12 +198,16 @@ int run(const Options& options) {
   if (!options.camera_info.empty()) camera = loadCamera(options.camera_info).model();
   Seen seen = look(samples, board, mounting);
   seen.problem.camera = camera;
-  HandEyeResult result = solveHandEye(seen.problem, {});
+  HandEyeParams params;
+  params.four_axis = !options.board_z.empty();
+  if (params.four_axis) params.board_z = numberOf(options.board_z);
+  HandEyeResult result = solveHandEye(seen.problem, params);
   explainMissingBoards(samples, seen, &result);
   CalibrationNames names;
   if (mounting == Mounting::kEyeToHand) names.mount_frame = "base";
   SaveOptions save;
   save.replace_good = options.replace_good == "yes";
+  save.pictures = std::filesystem::absolute(options.samples).parent_path().string() + "/";
   const std::string folder = saveCalibration(options.output, seen.problem, result, names, save);
   print(result, seen);
   std::printf("written to %s\n", std::filesystem::absolute(folder).lexically_normal().c_str());

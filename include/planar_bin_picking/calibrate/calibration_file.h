@@ -22,6 +22,7 @@ struct CalibrationNames {
 struct SaveOptions {
   bool replace_good = false;  ///< a POOR calibration replaces a GOOD one
   std::string date;           ///< ISO 8601, goes into every file; empty = now
+  std::string pictures;       ///< what the report puts in front of the views' names to show them
 };
 
 /// Writes into the folder (made if it is not there):

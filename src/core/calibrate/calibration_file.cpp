@@ -5,6 +5,7 @@
 #include "base/atomic_file.h"
 #include "base/yaml_file.h"
 #include "calibrate/calibration_report.h"
+#include "calibrate/fixed_link.h"
 #include "planar_bin_picking/calibrate/board/board_file.h"
 
 #include <cmath>
@@ -131,12 +132,15 @@ void putNumbers(YAML::Emitter& out, const HandEyeResult& result) {
   put(out, "working_distance", result.working_distance);
   put(out, "expected_error_mm", result.expected_error_mm);
   put(out, "expected_error_deg", result.expected_error_deg);
+  put(out, "with_robot_mm", result.with_robot_mm);
+  put(out, "with_robot_deg", result.with_robot_deg);
   put(out, "leave_one_out_mm", result.leave_one_out_mm);
   put(out, "leave_one_out_deg", result.leave_one_out_deg);
   if (!result.leave_one_out_view.empty()) put(out, "leave_one_out_view", result.leave_one_out_view);
   Values sigmas;
   for (Eigen::Index i = 0; i < kBoard; ++i) sigmas.push_back(std::sqrt(result.covariance(i, i)));
-  putList(out, "sigma_camera", {sigmas.begin(), sigmas.begin() + kHandEye});
+  // As many as the camera has numbers.
+  putList(out, "sigma_camera", {sigmas.begin(), sigmas.begin() + 4 + (isRational(c) ? 8 : 5)});
   putList(out, "sigma_transform", {sigmas.begin() + kHandEye, sigmas.end()});
   putCovariance(out, result);
   putBoard(out, result);
@@ -152,10 +156,32 @@ void putViews(YAML::Emitter& out, const HandEyeProblem& problem, const HandEyeRe
     if (view.used) {
       put(out, "corners", static_cast<int>(problem.observations[i].corners.size()));
       put(out, "rms_px", view.rms_px);
+      put(out, "rms_mm", view.rms_mm);
       put(out, "robot_off_mm", 1e3 * view.correction.head<3>().norm());
     } else {
       put(out, "why_not", view.why_not);
     }
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+void putNotes(YAML::Emitter& out, const HandEyeResult& result) {
+  if (result.notes.empty()) return;
+  out << YAML::Key << "notes" << YAML::Value << YAML::BeginSeq;
+  for (const std::string& note : result.notes) out << note;
+  out << YAML::EndSeq;
+}
+
+/// Which lens models were tried, and how far they are off on pictures that they were not made from.
+void putLensTrials(YAML::Emitter& out, const HandEyeResult& result) {
+  if (result.lens_trials.empty()) return;
+  out << YAML::Key << "lens_trials" << YAML::Value << YAML::BeginSeq;
+  for (const LensTrial& trial : result.lens_trials) {
+    out << YAML::Flow << YAML::BeginMap;
+    put(out, "coefficients", trial.coefficients);
+    put(out, "held_out_px", trial.held_out_px);
+    put(out, "chosen", trial.is_chosen);
     out << YAML::EndMap;
   }
   out << YAML::EndSeq;
@@ -175,6 +201,8 @@ std::string calibrationYaml(const HandEyeProblem& problem, const HandEyeResult& 
   out << YAML::Key << "reasons" << YAML::Value << YAML::BeginSeq;
   for (const std::string& reason : result.reasons) out << reason;
   out << YAML::EndSeq;
+  putNotes(out, result);
+  putLensTrials(out, result);
   put(out, "views_used", result.views_used);
   put(out, "axes_deg", result.axes_deg);
   if (result.square_ratio > 0.0) {
@@ -228,53 +256,9 @@ std::string handEyeYaml(const HandEyeResult& result, const Made& made) {
   put(out, "camera_name", made.names.camera_name);
   putCovariance(out, result);
   putBoard(out, result);
+  putNotes(out, result);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
-}
-
-std::string joined(const Values& values) {
-  std::string text;
-  for (const double value : values) text += (text.empty() ? "" : " ") + numberText(value);
-  return text;
-}
-
-/// For XML: what a name must not hold there.
-std::string escaped(const std::string& raw) {
-  std::string out;
-  for (const char c : raw) {
-    const char* const safe = c == '&'   ? "&amp;"
-                             : c == '<' ? "&lt;"
-                             : c == '>' ? "&gt;"
-                             : c == '"' ? "&quot;"
-                                        : nullptr;
-    out += safe != nullptr ? std::string(safe) : std::string(1, c);
-  }
-  return out;
-}
-
-std::string staticTransformLaunch(const HandEyeResult& result, const Made& made) {
-  const CalibrationNames& names = made.names;
-  return "<!-- " + escaped(madeOf(result, made)) +
-         " -->\n<launch>\n  <node pkg=\"tf2_ros\" type=\"static_transform_publisher\" "
-         "name=\"hand_eye_transform\"\n        args=\"" +
-         joined(positionOf(result.T_mount_camera)) + " " +
-         joined(orientationOf(result.T_mount_camera)) + " " + escaped(names.mount_frame) + " " +
-         escaped(names.camera_frame) + "\"/>\n</launch>\n";
-}
-
-/// A joint between links that the robot's description has; rpy turns about fixed x, y, z.
-std::string handEyeXacro(const HandEyeResult& result, const Made& made) {
-  const Eigen::Matrix3d& R = result.T_mount_camera.linear();
-  const Values rpy{std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
-                   std::atan2(R(1, 0), R(0, 0))};
-  const std::string parent = escaped(made.names.mount_frame),
-                    child = escaped(made.names.camera_frame);
-  return "<?xml version=\"1.0\"?>\n<!-- " + escaped(madeOf(result, made)) +
-         " -->\n<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n  <link name=\"" + child +
-         "\"/>\n  <joint name=\"hand_eye\" type=\"fixed\">\n    <parent link=\"" + parent +
-         "\"/>\n    <child link=\"" + child + "\"/>\n    <origin xyz=\"" +
-         joined(positionOf(result.T_mount_camera)) + "\" rpy=\"" + joined(rpy) +
-         "\"/>\n  </joint>\n</robot>\n";
 }
 
 std::string now() {
@@ -330,13 +314,16 @@ std::string saveCalibration(const std::string& folder, const HandEyeProblem& pro
   const std::string target = aside ? folder + "/poor" : folder, at = target + "/";
   checkCalibrationFolder(target);
   std::vector<NamedContent> files{
-      {at + "report.html", calibrationReport(problem, result, madeOf(result, made))}};
+      {at + "report.html",
+       calibrationReport(problem, result, madeOf(result, made), options.pictures)}};
   const bool refused = result.verdict == Verdict::kRefused;
   if (!refused) {
+    const FixedLink link{names.mount_frame, names.camera_frame, result.T_mount_camera,
+                         madeOf(result, made)};
     files.push_back({at + "camera_info.yaml", cameraInfoYaml(result, made)});
     files.push_back({at + "hand_eye.yaml", handEyeYaml(result, made)});
-    files.push_back({at + "hand_eye.xacro", handEyeXacro(result, made)});
-    files.push_back({at + "static_transform.launch", staticTransformLaunch(result, made)});
+    files.push_back({at + "hand_eye.xacro", handEyeXacro(link)});
+    files.push_back({at + "static_transform.launch", staticTransformLaunch(link)});
   }
   // Last: where it stands, all others do.
   files.push_back({at + "calibration.yaml", calibrationYaml(problem, result, made)});
@@ -347,10 +334,10 @@ std::string saveCalibration(const std::string& folder, const HandEyeProblem& pro
 
 HandEyeFile loadHandEye(const std::string& path) {
   const YAML::Node root = loadYamlMap(path);
-  refuseUnknownKeys(
-      root, path,
-      {"parent_frame", "child_frame", "position", "orientation", "expected_error_mm",
-       "expected_error_deg", "verdict", "date", "camera_name", "covariance", "board_transform"});
+  refuseUnknownKeys(root, path,
+                    {"parent_frame", "child_frame", "position", "orientation", "expected_error_mm",
+                     "expected_error_deg", "verdict", "date", "camera_name", "covariance",
+                     "board_transform", "notes"});
   HandEyeFile out;
   out.parent_frame = valueAs<std::string>(root["parent_frame"], path, "parent_frame", "a frame");
   out.child_frame = valueAs<std::string>(root["child_frame"], path, "child_frame", "a frame");

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrate/calibration_report.h"
 
+#include "calibrate/report_plots.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -10,79 +12,63 @@
 namespace planar_bin_picking {
 namespace {
 
-/// Text for HTML; numbers with points, whatever the locale.
-class Page {
- public:
-  Page() { out_.imbue(std::locale::classic()); }
-  template <class T>
-  Page& operator<<(const T& value) {
-    out_ << value;
-    return *this;
-  }
-  Page& text(const std::string& raw) {
-    for (const char c : raw) {
-      if (c == '&')
-        out_ << "&amp;";
-      else if (c == '<')
-        out_ << "&lt;";
-      else if (c == '>')
-        out_ << "&gt;";
-      else
-        out_ << c;
-    }
-    return *this;
-  }
-  Page& number(double value, int digits = 4) {
-    out_ << std::setprecision(digits) << value;
-    return *this;
-  }
-  std::string str() const { return out_.str(); }
-
- private:
-  std::ostringstream out_;
-};
-
-constexpr double kPlot = 320.0;  // height of the drawings, SVG units
-
 void row(Page* page, const std::string& name, double value, const std::string& unit,
          const std::string& remark) {
   (*page << "<tr><td>").text(name) << "</td><td class=n>";
   page->number(value) << " " << unit << "</td><td>" << remark << "</td></tr>\n";
 }
 
-void numbers(const HandEyeProblem& problem, const HandEyeResult& r, Page* page) {
+std::string plusMinus(double sigma, const std::string& unit) {
+  Page text;
+  text << "&plusmn; ";
+  text.number(sigma, 2) << " " << unit;
+  return text.str();
+}
+
+std::string limitText(double limit, const std::string& unit, const std::string& key) {
+  Page text;
+  text << "limit ";
+  text.number(limit) << " " << unit << " (" << key << ")";
+  return text.str();
+}
+
+/// Transform and camera.
+void resultRows(const HandEyeResult& r, Page* page) {
   const auto sigma = [&r](int i) { return std::sqrt(r.covariance(i, i)); };
-  const auto plus_minus = [](double s, const std::string& unit) {
-    Page text;
-    text << "&plusmn; ";
-    text.number(s, 2) << " " << unit;
-    return text.str();
-  };
-  *page << "<h2>Numbers</h2><table>\n";
-  row(page, "expected error, position", r.expected_error_mm, "mm",
-      "RMS of a part's pose at the working distance");
-  row(page, "expected error, rotation", r.expected_error_deg, "deg", "");
-  row(page, "working distance", r.working_distance, "m", "");
   const char axes[] = "xyz";
   for (int i = 0; i < 3; ++i) {
     row(page, r.transform_name + " " + axes[i], 1e3 * r.T_mount_camera.translation()[i], "mm",
-        plus_minus(1e3 * sigma(kHandEye + i), "mm, along the camera's axis"));
+        plusMinus(1e3 * sigma(kHandEye + i), "mm, along the camera's axis"));
   }
   Eigen::Quaterniond q(r.T_mount_camera.linear());
   for (int i = 0; i < 4; ++i) {
     row(page, r.transform_name + " q" + "xyzw"[i], q.coeffs()[i], "",
-        i < 3 ? plus_minus(57.29578 * sigma(kHandEye + 3 + i), "deg about the camera's axis") : "");
+        i < 3 ? plusMinus(57.29578 * sigma(kHandEye + 3 + i), "deg about the camera's axis") : "");
   }
   const double intrinsics[] = {r.camera.fx, r.camera.fy, r.camera.cx, r.camera.cy};
   const char* const names[] = {"fx", "fy", "cx", "cy"};
   for (int i = 0; i < 4; ++i) {
-    row(page, names[i], intrinsics[i], "px", plus_minus(sigma(kIntrinsics + i), "px"));
+    row(page, names[i], intrinsics[i], "px", plusMinus(sigma(kIntrinsics + i), "px"));
   }
   const std::string coefficients = "k1k2p1p2k3k4k5k6";
   for (std::size_t i = 0; i < r.camera.distortion.size() && i < 8; ++i) {
     row(page, coefficients.substr(2 * i, 2), r.camera.distortion[i], "",
-        i < 5 ? plus_minus(sigma(4 + static_cast<int>(i)), "") : "");
+        plusMinus(sigma(4 + static_cast<int>(i)), ""));
   }
+}
+
+/// What it was judged by.
+void qualityRows(const HandEyeProblem& problem, const HandEyeResult& r, Page* page) {
+  const HandEyeParams& limits = r.params;
+  row(page, "expected error, position", r.expected_error_mm, "mm",
+      limitText(limits.tolerance_mm, "mm", "tolerance_mm") +
+          "; RMS of a part's pose at the working distance, with a robot that goes where it says");
+  row(page, "expected error, rotation", r.expected_error_deg, "deg",
+      limitText(limits.tolerance_deg, "deg", "tolerance_deg"));
+  row(page, "with the robot's noise, position", r.with_robot_mm, "mm",
+      "looking and going there with the noise below");
+  row(page, "with the robot's noise, rotation", r.with_robot_deg, "deg", "");
+  row(page, "working distance", r.working_distance, "m", "");
   row(page, "residual", r.rms_px, "px", "robot poses corrected");
   if (r.own_camera_px > 0.0) {
     row(page, "residual with an own camera", r.own_camera_px, "px",
@@ -90,113 +76,70 @@ void numbers(const HandEyeProblem& problem, const HandEyeResult& r, Page* page) 
   }
   row(page, "residual of the chain", r.chain_px, "px", "robot poses as reported");
   row(page, "floor", r.pnp_floor_px, "px", "each board placed freely");
-  row(page, "robot noise", r.robot_mm, "mm", "per axis, estimated");
-  row(page, "robot noise", r.robot_deg, "deg", "per axis, estimated");
+  row(page, "robot noise", r.robot_mm, "mm",
+      "per axis, estimated; " + limitText(limits.robot_poor_mm, "mm", "robot_poor_mm") +
+          ", refused " + limitText(limits.robot_refused_mm, "mm", "robot_refused_mm"));
+  row(page, "robot noise", r.robot_deg, "deg",
+      "per axis, estimated; " + limitText(limits.robot_poor_deg, "deg", "robot_poor_deg") +
+          ", refused " + limitText(limits.robot_refused_deg, "deg", "robot_refused_deg"));
   row(page, "square that fits", 1e3 * problem.board.square * r.square_ratio, "mm",
-      plus_minus(1e3 * problem.board.square * r.square_ratio_sigma, "mm"));
+      plusMinus(1e3 * problem.board.square * r.square_ratio_sigma, "mm") + "; " +
+          limitText(100.0 * limits.scale_tolerance, "% off", "scale_tolerance"));
+  row(page, "turn about the second axis", r.axes_deg, "deg",
+      limitText(limits.axes_min_deg, "deg at least", "axes_min_deg"));
+  row(page, "views used", r.views_used, "", limitText(limits.min_views, "at least", "min_views"));
+  for (const LensTrial& trial : r.lens_trials) {
+    row(page, "lens of " + std::to_string(trial.coefficients) + " coefficients", trial.held_out_px,
+        "px",
+        std::string("held-out pictures, boards placed freely") +
+            (trial.is_chosen ? "; chosen" : ""));
+  }
   row(page, "leave one view out", r.leave_one_out_mm, "mm", "largest move of the camera");
   row(page, "leave one view out", r.leave_one_out_deg, "deg", "");
+}
+
+void numbers(const HandEyeProblem& problem, const HandEyeResult& r, Page* page) {
+  *page << "<h2>Numbers</h2><table>\n";
+  qualityRows(problem, r, page);
+  resultRows(r, page);
   *page << "</table>\n";
 }
 
-void dot(Page* page, double x, double y, double radius, const std::string& colour) {
-  *page << "<circle cx='";
-  page->number(x) << "' cy='";
-  page->number(y) << "' r='" << radius << "' fill='" << colour << "'/>\n";
-}
-
-std::string colourOf(std::size_t i) { return "hsl(" + std::to_string(i * 137 % 360) + ",70%,40%)"; }
-
-/// Residuals of all corners about zero; the ring is three standard deviations.
-void residualPlot(const HandEyeResult& r, Page* page) {
-  double largest = 3.0 * r.sigma_px;
-  for (const ViewResult& view : r.views) {
-    for (const Eigen::Vector2d& e : view.residuals) largest = std::max(largest, e.norm());
-  }
-  const double scale = 0.48 * kPlot / largest, middle = 0.5 * kPlot;
-  (*page << "<figure><svg viewBox='0 0 320 320'><rect width='320' height='320' class=f />"
-            "<path d='M0 160H320M160 0V320' class=l /><circle cx='160' cy='160' class=l r='")
-          .number(3.0 * r.sigma_px * scale)
-      << "'/>\n";
-  for (std::size_t i = 0; i < r.views.size(); ++i) {
-    for (const Eigen::Vector2d& e : r.views[i].residuals) {
-      dot(page, middle + scale * e.x(), middle + scale * e.y(), 1.2, colourOf(i));
-    }
-  }
-  (*page << "</svg><figcaption>Residuals, a colour per view; the frame is &plusmn;")
-          .number(middle / scale, 3)
-      << " px, the ring three standard deviations</figcaption></figure>\n";
-}
-
-/// Where in the image corners were seen.
-void coveragePlot(const HandEyeProblem& problem, const HandEyeResult& r, Page* page) {
-  const double scale = kPlot / problem.height, width = scale * problem.width;
-  (*page << "<figure><svg viewBox='0 0 ").number(width)
-      << " 320'><rect height='320' class=f width='";
-  page->number(width) << "'/>\n";
-  for (std::size_t i = 0; i < r.views.size(); ++i) {
-    const std::string colour = r.views[i].used ? colourOf(i) : "#ccc";
-    for (const Eigen::Vector2d& p : problem.observations[i].corners) {
-      dot(page, scale * p.x(), scale * p.y(), 1.5, colour);
-    }
-  }
-  *page << "</svg><figcaption>Corners in the image; grey: not used</figcaption></figure>\n";
-}
-
-/// The camera about the board: from above, and from the side.
-void posesPlot(const HandEyeResult& r, int across, const char* caption, Page* page) {
-  double reach = 1e-3;
-  std::vector<std::pair<Eigen::Isometry3d, std::size_t>> cameras;
-  for (std::size_t i = 0; i < r.views.size(); ++i) {
-    if (!r.views[i].used) continue;
-    cameras.emplace_back(r.views[i].T_camera_board.inverse(), i);
-    reach = std::max(reach, cameras.back().first.translation().cwiseAbs().maxCoeff());
-  }
-  const double scale = 0.45 * kPlot / reach, middle = 0.5 * kPlot;
-  const auto place = [&](const Eigen::Vector3d& p) {
-    return Eigen::Vector2d(middle + scale * p.x(), middle + scale * p[across]);
-  };
-  *page << "<figure><svg viewBox='0 0 320 320'><rect width='320' height='320' class=f />"
-           "<path d='M150 160H170M160 150V170' class=l />\n";
-  for (const auto& [T_board_camera, i] : cameras) {
-    const Eigen::Vector2d from = place(T_board_camera.translation());
-    const Eigen::Vector2d to = place(T_board_camera * Eigen::Vector3d(0.0, 0.0, 0.15 * reach));
-    dot(page, from.x(), from.y(), 3.0, colourOf(i));
-    (*page << "<path class=l d='M").number(from.x()) << " ";
-    page->number(from.y()) << "L";
-    page->number(to.x()) << " ";
-    page->number(to.y()) << "'/>\n";
-  }
-  (*page << "</svg><figcaption>" << caption
-         << "; the cross is the board's corner, half the frame is ")
-          .number(reach / 0.9, 3)
-      << " m</figcaption></figure>\n";
-}
-
 void viewTable(const HandEyeProblem& problem, const HandEyeResult& r, Page* page) {
-  *page << "<h2>Views</h2><table><tr><th>view</th><th>residual px</th><th>floor px</th>"
+  *page << "<h2>Views</h2><table><tr><th>view</th><th>corners</th><th>residual "
+           "px</th><th>mm</th><th>floor px</th>"
            "<th>robot off mm</th><th>deg</th><th></th></tr>\n";
   for (std::size_t i = 0; i < r.views.size(); ++i) {
     const ViewResult& view = r.views[i];
     (*page << "<tr><td>").text(problem.observations[i].name) << "</td>";
     if (view.used) {
-      for (const double value : {view.rms_px, view.floor_px, 1e3 * view.correction.head<3>().norm(),
-                                 57.29578 * view.correction.tail<3>().norm()}) {
+      for (const double value :
+           {1.0 * problem.observations[i].corners.size(), view.rms_px, view.rms_mm, view.floor_px,
+            1e3 * view.correction.head<3>().norm(), 57.29578 * view.correction.tail<3>().norm()}) {
         *page << "<td class=n>";
         page->number(value, 3) << "</td>";
       }
       *page << "<td></td></tr>\n";
     } else {
-      (*page << "<td colspan=4></td><td>not used: ").text(view.why_not) << "</td></tr>\n";
+      (*page << "<td colspan=6></td><td>not used: ").text(view.why_not) << "</td></tr>\n";
     }
   }
   *page << "</table>\n";
 }
 
+/// Where they lie; whoever moves the report has no pictures in it.
+void pictureTable(const HandEyeProblem& problem, const std::string& pictures, Page* page) {
+  *page << "<h2>Pictures</h2>\n";
+  for (const Observation& observation : problem.observations) {
+    (*page << "<img loading='lazy' alt='").text(observation.name) << "' title='";
+    (page->text(observation.name) << "' src='").text(pictures + observation.name) << "'>\n";
+  }
+}
+
 }  // namespace
 
 std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult& result,
-                              const std::string& made) {
+                              const std::string& made, const std::string& pictures) {
   const std::string colour = result.verdict == Verdict::kGood   ? "#2a7d2a"
                              : result.verdict == Verdict::kPoor ? "#b37700"
                                                                 : "#b02020";
@@ -207,7 +150,8 @@ std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult
           "table{border-collapse:collapse}td,th{padding:1px 9px;border-bottom:1px solid #ddd}"
           ".n{text-align:right}figure{display:inline-block;width:32%;margin:0 .5% 1em 0;"
           "vertical-align:top}svg{width:100%}.f{fill:#fafafa;stroke:#999}"
-          ".l{stroke:#888;fill:none;stroke-width:.7}figcaption{color:#555;font-size:12px}</style>"
+          ".l{stroke:#888;fill:none;stroke-width:.7}.t{font-size:11px;fill:#333}"
+          "img{width:24%;margin:0 .5% .5% 0}figcaption{color:#555;font-size:12px}</style>"
           "</head><body>\n<h1 style='color:"
        << colour << "'>" << nameOf(result.verdict) << "</h1>\n";
   if (!made.empty()) (page << "<p>").text(made) << "</p>\n";
@@ -217,15 +161,18 @@ std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult
       << " mm, " << result.views_used << " of " << problem.observations.size()
       << " views used</p>\n<ul>\n";
   for (const std::string& reason : result.reasons) (page << "<li>").text(reason) << "</li>\n";
+  for (const std::string& note : result.notes) (page << "<li>note: ").text(note) << "</li>\n";
   page << "</ul>\n";
   if (result.solved) {
     residualPlot(result, &page);
-    coveragePlot(problem, result, &page);
+    residualVectorPlot(problem, result, &page);
+    uncertaintyMap(problem, result, &page);
     posesPlot(result, 2, "Cameras about the board, from the side", &page);
     posesPlot(result, 1, "The same from above", &page);
     numbers(problem, result, &page);
   }
   viewTable(problem, result, &page);
+  pictureTable(problem, pictures, &page);
   page << "</body></html>\n";
   return page.str();
 }

@@ -8,10 +8,11 @@
 
 namespace planar_bin_picking {
 
-/// One page for people: verdict, numbers, residuals, coverage of the image, poses, views. HTML with
-/// drawings in it; needs nothing else.
-/// @param made  of which camera and when, for its heading
+/// One page for people: verdict, numbers beside their limits, residuals, uncertainty over the
+/// image, poses, views, pictures. HTML with drawings in it; needs nothing else but the pictures.
+/// @param made      of which camera and when, for its heading
+/// @param pictures  goes in front of the views' names
 std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult& result,
-                              const std::string& made = "");
+                              const std::string& made = "", const std::string& pictures = "");
 
 }  // namespace planar_bin_picking

@@ -15,6 +15,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <sstream>
 
 namespace planar_bin_picking_ros {
@@ -226,8 +227,10 @@ std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResu
   names.mount_frame =
       problem.mounting == Mounting::kEyeInHand ? params_.flange_frame : params_.base_frame;
   names.camera_frame = params_.camera_frame.empty() ? camera_frame : params_.camera_frame;
+  planar_bin_picking::SaveOptions save;
+  save.pictures = std::filesystem::absolute(params_.output_folder).string() + "/";
   const std::string folder =
-      planar_bin_picking::saveCalibration(params_.output_folder, problem, result, names);
+      planar_bin_picking::saveCalibration(params_.output_folder, problem, result, names, save);
   std::ostringstream status;
   status.imbue(std::locale::classic());
   status << nameOf(result.verdict) << ":";
@@ -242,7 +245,9 @@ std::string CalibratorRos::save(const HandEyeProblem& problem, const HandEyeResu
            << result.expected_error_deg << " deg with " << result.views_used << " views;";
   }
   for (const std::string& reason : result.reasons) status << " " << reason << ";";
-  status << " see " << folder << "/report.html";
+  for (const std::string& note : result.notes) status << " " << note << ";";
+  status << " see " << std::filesystem::absolute(folder).lexically_normal().string()
+         << "/report.html";
   return status.str();
 }
 

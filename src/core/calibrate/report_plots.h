@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// The drawings of a calibration's report, as SVG.
+
+#include "calibrate/report_page.h"
+#include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
+
+namespace planar_bin_picking {
+
+/// Residuals of all corners about zero; the ring is three standard deviations.
+void residualPlot(const HandEyeResult& result, Page* page);
+
+/// The corners over the image, each with its residual as a line, enlarged.
+void residualVectorPlot(const HandEyeProblem& problem, const HandEyeResult& result, Page* page);
+
+/// Expected error of a part's position at the working distance, over the image.
+void uncertaintyMap(const HandEyeProblem& problem, const HandEyeResult& result, Page* page);
+
+/// The camera about the board.
+/// @param across  1: from above; 2: from the side
+void posesPlot(const HandEyeResult& result, int across, const char* caption, Page* page);
+
+}  // namespace planar_bin_picking
