@@ -30,6 +30,7 @@ MAY_INCLUDE = {
     **{stage: BELOW_STAGES | {"locate/evidence", "locate/prior"} for stage in STAGES},  # none includes another
     "locate": BELOW_LOCATOR,
     "bin": {"base", "camera"},  # the bin itself, without parts
+    "views": BELOW_LOCATOR | {"locate"},
     "pick": BELOW_LOCATOR | {"locate"},
     "snapshot": BELOW_LOCATOR | {"locate"},
     "show": BELOW_LOCATOR | {"locate"},
@@ -42,7 +43,9 @@ MAY_INCLUDE = {
     "ros/locator/answer": {"ros/shared", "ros/input"},
     "ros/locator/parts": {"ros/shared"},
     "ros/locator/snapshot": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts"},
-    "ros/locator": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts", "ros/locator/snapshot"},
+    "ros/locator/views": {"ros/shared", "ros/input", "ros/locator/answer"},
+    "ros/locator": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts", "ros/locator/snapshot",
+                    "ros/locator/views"},
     "ros/hdr": {"ros/shared", "ros/input"},
     "ros/calibrator": {"ros/shared", "ros/input"},
     "ros/hand_eye": {"ros/shared"},

@@ -88,6 +88,7 @@ struct ScoredPose : RefinedPose {
 /// One located part, as the robot program gets it.
 struct Detection : ScoredPose {
   std::string part_name;
+  int views = 1;  ///< pictures that the pose rests on, see views/look.h
 };
 
 /// What the stages did and how long each took; the core's replacement for logging.

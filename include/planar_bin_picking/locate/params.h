@@ -143,6 +143,26 @@ struct RankParams {
   }
 };
 
+/// Several views of one part, views/look.h.
+struct ViewsParams {
+  /// Standard deviations per axis of where the camera was at a picture: of the robot's pose, anew
+  /// at each stop, and of the hand-eye calibration, the same at all.
+  double robot_sigma = 0.0001;  ///< metres
+  double robot_sigma_deg = 0.01;
+  double hand_eye_sigma = 0.0002;  ///< metres
+  double hand_eye_sigma_deg = 0.02;
+  double depth_reach = 0.015;  ///< metres by which a pose may be too near or far and is found yet
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("robot_sigma", self.robot_sigma, 0.0, 0.1);
+    visit("robot_sigma_deg", self.robot_sigma_deg, 0.0, 10.0);
+    visit("hand_eye_sigma", self.hand_eye_sigma, 0.0, 0.1);
+    visit("hand_eye_sigma_deg", self.hand_eye_sigma_deg, 0.0, 10.0);
+    visit("depth_reach", self.depth_reach, 0.001, 0.1);
+  }
+};
+
 struct LocatorParams {
   EdgesParams edges;
   HoughParams hough;
@@ -150,6 +170,7 @@ struct LocatorParams {
   PlaneParams plane;
   ScoreParams score;
   RankParams rank;
+  ViewsParams views;
   int threads = 0;  ///< 0 = as many as the machine has cores
 };
 
@@ -170,6 +191,7 @@ void forEachField(Params& params, Visit&& visit) {
   stage("plane", params.plane);
   stage("score", params.score);
   stage("rank", params.rank);
+  stage("views", params.views);
   visit(std::string("threads"), params.threads, 0, 64);
 }
 

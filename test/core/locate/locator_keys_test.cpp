@@ -128,7 +128,9 @@ TEST_F(LocatorKeys, AreAllTriedHere) {
   std::set<std::string> tried = {"threads"}, known;
   for (const Change& change : kChanges) tried.insert(change.key);
   const LocatorParams params;
-  forEachField(params, [&](const std::string& key, auto&&...) { known.insert(key); });
+  forEachField(params, [&](const std::string& key, auto&&...) {
+    if (key.rfind("views/", 0) != 0) known.insert(key);  // those are tried in view_keys_test
+  });
   EXPECT_EQ(tried, known);
 }
 

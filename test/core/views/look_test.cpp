@@ -1,0 +1,214 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planar_bin_picking/views/look.h"
+
+#include "base/plane_pose.h"
+#include "part/outline_view.h"
+#include "planar_bin_picking/locate/locator.h"
+#include "support/matchers.h"
+#include "support/orbit.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+namespace planar_bin_picking {
+namespace {
+
+const sim::PinholeCamera kPinhole;
+const sim::Lie kLie{20, -10, 600, 30, 12, 60};
+const auto kBracket = makePart("bracket", bracketPlate());
+const Eigen::Vector3d kCentre = sim::poseOf(kLie) * Eigen::Vector3d(0.007, -0.004, 0.0);
+/// As good a robot as the pictures of these tests are drawn.
+const LocatorParams kExact = [] {
+  LocatorParams params;
+  params.views.robot_sigma = params.views.hand_eye_sigma = 0.0;
+  params.views.robot_sigma_deg = params.views.hand_eye_sigma_deg = 0.0;
+  return params;
+}();
+
+sim::Scene bracketAt(const Eigen::Isometry3d& T_first_part) {
+  sim::Scene scene = sceneOf(bracketPlate(), kLie);
+  scene.plates[0].T_camera_part = T_first_part;
+  return scene;
+}
+
+ViewPtr viewOf(const sim::Scene& scene, const Eigen::Isometry3d& T_first_this, int seed,
+               const Eigen::Isometry3d* T_said = nullptr) {
+  return std::make_shared<const View>(pictureFrom(kPinhole, scene, T_first_this, seed),
+                                      makeCamera(kPinhole), T_said ? *T_said : T_first_this);
+}
+
+/// As the first view tells it alone.
+Detection knownAt(const Eigen::Isometry3d& T_first_part) {
+  Detection known;
+  known.T_camera_part = T_first_part;
+  known.face = faceOf(T_first_part);
+  known.score = 0.9;
+  known.covariance.diagonal() << 1e-8, 1e-8, 1e-6, 1e-4, 1e-4, 1e-6;
+  return known;
+}
+
+class LookAgain : public testing::Test {
+ protected:
+  Eigen::Isometry3d truth_ = sim::poseOf(kLie);
+  Eigen::Isometry3d T_first_second_ = orbit(kCentre, 30, 20);
+  ViewPtr first_ = viewOf(bracketAt(truth_), Eigen::Isometry3d::Identity(), 1);
+  ViewPtr second_ = viewOf(bracketAt(truth_), T_first_second_, 2);
+
+  LookResult look(const Eigen::Isometry3d& known, const ViewPtr& view) const {
+    return Looker(kExact).look(knownAt(known), *kBracket, {first_, view});
+  }
+};
+
+double depthSigma(const Detection& d) {
+  const Eigen::Matrix3d R = d.T_camera_part.linear();
+  return std::sqrt((R * d.covariance.topLeftCorner<3, 3>() * R.transpose())(2, 2));
+}
+
+TEST_F(LookAgain, ConfirmsWhatIsThere) {
+  LocateRequest request;
+  request.parts = {kBracket};
+  request.distance_min = 0.5;
+  request.distance_max = 0.7;
+  const auto alone = Locator().locate(first_->image(), first_->camera(), request);
+  ASSERT_EQ(alone.detections.size(), 1u);
+  const auto result = Looker(kExact).look(alone.detections[0], *kBracket, {first_, second_});
+  EXPECT_EQ(result.status, LookStatus::kConfirmed) << result.text;
+  EXPECT_TRUE(isometryNear(result.detection.T_camera_part, truth_, 0.1e-3, 0.1 * kDegrees));
+  EXPECT_GT(result.seen, 0.8);
+  EXPECT_LT(depthSigma(result.detection), 0.5 * depthSigma(alone.detections[0]));
+  EXPECT_LT(result.moved, 2e-3);
+}
+
+TEST_F(LookAgain, FindsAPartInAnotherDepth) {
+  for (const double off : {-0.012, -0.008, 0.005, 0.008, 0.012}) {
+    Eigen::Isometry3d wrong = truth_;
+    wrong.translation() *= 1.0 + off / kCentre.norm();
+    const auto result = look(wrong, second_);
+    EXPECT_EQ(result.status, LookStatus::kCorrected) << off << " m: " << result.text;
+    EXPECT_NEAR(result.moved, std::abs(off), 0.5e-3);
+    EXPECT_TRUE(isometryNear(result.detection.T_camera_part, truth_, 0.2e-3, 0.2 * kDegrees));
+  }
+}
+
+TEST_F(LookAgain, FindsTheOtherTilt) {
+  const Eigen::Isometry3d T = truth_ * centreOf(*kBracket, Face::kFront);
+  const Eigen::Vector2d p = T.translation().hnormalized();
+  Eigen::Matrix<double, 2, 3> project;
+  project << 1, 0, -p.x(), 0, 1, -p.y();
+  const Eigen::Matrix2d A = project * T.linear().leftCols<2>() / T.translation().z();
+  const auto planes = posesFromAffine(A, p);
+  const auto apart = [&](int k) { return (planes[k].linear() - T.linear()).norm(); };
+  const Eigen::Isometry3d wrong =
+      planes[apart(0) > apart(1) ? 0 : 1] * centreOf(*kBracket, Face::kFront).inverse();
+  ASSERT_FALSE(isometryNear(wrong, truth_, 1.0, 15 * kDegrees));
+  const auto result = look(wrong, second_);
+  EXPECT_EQ(result.status, LookStatus::kCorrected) << result.text;
+  EXPECT_GT(result.moved_rad, 15 * kDegrees);
+  EXPECT_TRUE(isometryNear(result.detection.T_camera_part, truth_, 0.2e-3, 0.2 * kDegrees));
+}
+
+/// Also along the line on which another depth would be seen: never the mean of both.
+TEST_F(LookAgain, TellsAPartThatMoved) {
+  const Eigen::Vector3d beside = T_first_second_.linear().col(0), ray = kCentre.normalized();
+  const Eigen::Vector3d along = (T_first_second_.linear() * Eigen::Vector3d::UnitZ())
+                                    .cross(ray.cross(T_first_second_.linear().col(2)));
+  for (const Eigen::Vector3d& way : {beside, Eigen::Vector3d(along.normalized())}) {
+    Eigen::Isometry3d moved = truth_;
+    moved.translation() += 3e-3 * way;
+    const auto result = look(truth_, viewOf(bracketAt(moved), T_first_second_, 3));
+    EXPECT_EQ(result.status, LookStatus::kMoved) << result.text;
+    EXPECT_NEAR(result.moved, 3e-3, 1.5e-3);  // the new view alone says little of its depth
+    EXPECT_TRUE(isometryNear(result.detection.T_camera_part, moved, 1.5e-3, 2 * kDegrees));
+  }
+}
+
+TEST_F(LookAgain, ContradictsWhatIsNotThere) {
+  sim::Scene empty;
+  const auto result = look(truth_, viewOf(empty, T_first_second_, 3));
+  EXPECT_EQ(result.status, LookStatus::kContradicted) << result.text;
+  Eigen::Isometry3d far = truth_;
+  far.translation().x() += 0.02;
+  EXPECT_EQ(look(far, second_).status, LookStatus::kContradicted);
+}
+
+TEST_F(LookAgain, SaysWhatIsNotSeen) {
+  Eigen::Isometry3d aside = T_first_second_;
+  aside.translation().x() += 0.3;
+  const auto outside = look(truth_, viewOf(bracketAt(truth_), aside, 3));
+  EXPECT_EQ(outside.status, LookStatus::kNotSeen) << outside.text;
+  EXPECT_NE(outside.text.find("outline"), std::string::npos);
+  EXPECT_TRUE(isometryNear(outside.detection.T_camera_part, truth_, 1e-12, 1e-12));
+  sim::Scene hidden = bracketAt(truth_);
+  hidden.plates.push_back(hidden.plates[0]);
+  hidden.plates[1].plate = {rectangle(-100, -60, 14, 60), {}, {}, 0.0};
+  const auto covered = look(truth_, viewOf(hidden, T_first_second_, 3));
+  EXPECT_EQ(covered.status, LookStatus::kNotSeen) << covered.text;
+}
+
+/// As when the camera's place is taken from tf at another time than the picture's.
+TEST_F(LookAgain, ACameraThatIsElsewhereConfirmsNothing) {
+  for (const double off : {0.004, 0.02, 0.05}) {
+    Eigen::Isometry3d said = T_first_second_;
+    said.translation().y() += off;
+    const auto result = look(truth_, viewOf(bracketAt(truth_), T_first_second_, 3, &said));
+    EXPECT_NE(result.status, LookStatus::kConfirmed) << off << " m: " << result.text;
+  }
+}
+
+TEST_F(LookAgain, AThirdLookAddsUp) {
+  LocatorParams params;  // of a robot as it is by default
+  const Looker looker(params);
+  const auto two = looker.look(knownAt(truth_), *kBracket, {first_, second_});
+  ASSERT_EQ(two.status, LookStatus::kConfirmed);
+  const ViewPtr third = viewOf(bracketAt(truth_), orbit(kCentre, 30, 110), 4);
+  const auto three = looker.look(two.detection, *kBracket, {first_, second_, third});
+  EXPECT_EQ(three.status, LookStatus::kConfirmed) << three.text;
+  EXPECT_LT(three.detection.covariance.trace(), 0.9 * two.detection.covariance.trace());
+}
+
+/// Errors against what the covariance says of them, with a robot that is as wrong as it is said.
+TEST_F(LookAgain, TheCovarianceIsHonest) {
+  LocatorParams params = kExact;
+  params.views.robot_sigma = 0.2e-3;
+  params.views.robot_sigma_deg = 0.03;
+  std::mt19937 random(7);
+  double sum = 0.0;
+  constexpr int kLooks = 20;
+  for (int i = 0; i < kLooks; ++i) {
+    const auto known = shaken(truth_, 0.1e-3, 0.1, &random);
+    const Eigen::Isometry3d noisy = shaken(Eigen::Isometry3d::Identity(), 0.2e-3, 0.03, &random);
+    const Eigen::Isometry3d said = noisy * shaken(T_first_second_, 0.2e-3, 0.03, &random);
+    const auto result =
+        Looker(params).look(knownAt(known), *kBracket,
+                            {viewOf(bracketAt(truth_), Eigen::Isometry3d::Identity(), 100 + i),
+                             viewOf(bracketAt(truth_), T_first_second_, 200 + i, &said)});
+    ASSERT_EQ(result.status, LookStatus::kConfirmed) << result.text;
+    const Eigen::Isometry3d T_centre = centreOf(*kBracket, Face::kFront);
+    const Vector6d off =
+        log((result.detection.T_camera_part * T_centre).inverse() * truth_ * T_centre);
+    sum += off.dot(result.detection.covariance.ldlt().solve(off)) / 6.0;
+  }
+  EXPECT_LT(sum / kLooks, 1.5);
+  EXPECT_GT(sum / kLooks, 0.05);  // drawn without bevel and shadow, less than is allowed for
+}
+
+TEST_F(LookAgain, RefusesWhatIsNoView) {
+  EXPECT_TRUE(refuses([&] { Looker().look(knownAt(truth_), *kBracket, {first_}); }, {"two views"}));
+  const Camera camera = makeCamera(kPinhole);
+  const auto make = [&](const cv::Mat& image, double x) {
+    return [&camera, image, x] {
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      T.translation().x() = x;
+      View(image, camera, T);
+    };
+  };
+  EXPECT_TRUE(refuses(make({}, 0.0), {"empty"}));
+  EXPECT_TRUE(refuses(make(cv::Mat(100, 100, CV_8U), 0.0), {"100 x 100", "1200 x 1000"}));
+  EXPECT_TRUE(refuses(make(cv::Mat(1000, 1200, CV_8UC3), 0.0), {"3 channels"}));
+  EXPECT_TRUE(refuses(make(cv::Mat(1000, 1200, CV_8U, cv::Scalar(9)), NAN), {"pose"}));
+}
+
+}  // namespace
+}  // namespace planar_bin_picking
