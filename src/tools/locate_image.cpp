@@ -6,6 +6,7 @@
 
 #include "base/yaml_text.h"
 #include "command_line.h"
+#include "more_views.h"
 #include "read_image.h"
 
 #include "planar_bin_picking/image/camera_file.h"
@@ -31,7 +32,7 @@ const char kName[] = "locate_image";
 constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 
 struct Options {
-  std::vector<std::string> parts;
+  std::vector<std::string> parts, views;
   std::string camera, image, params, output, overlay;
   double distance_min = 0.0, distance_max = 0.0;
   std::string face = "any";
@@ -69,6 +70,12 @@ void addOptions(CLI::App* app, Options* options) {
   app->add_option("--max-parts", options->max_parts, "no more than the N best; default 0: all")
       ->type_name("N")
       ->check(wrongCount);
+  app->add_option("--view", options->views,
+                  "one more picture, its camera's calibration, and where that camera was as seen "
+                  "from the first one (YAML: position, orientation); may be given several times")
+      ->type_name("IMAGE CAMERA POSE")
+      ->type_size(3)
+      ->expected(-1);
   addFile(app, "--params", &options->params, false,
           "parameters over the defaults, as config/locator.yaml");
   addFile(app, "--output", &options->output, false,
@@ -129,14 +136,41 @@ std::string toYaml(const Detection& detection) {
          ", position: " + yamlList({p.x(), p.y(), p.z()}, 9) +
          ", orientation: " + yamlList({q.x(), q.y(), q.z(), q.w()}, 15) +
          ", score: " + yamlNumber(detection.score, 6) +
-         ", visible_fraction: " + yamlNumber(detection.visible_fraction, 6) + "}";
+         ", visible_fraction: " + yamlNumber(detection.visible_fraction, 6);
 }
 
-void writeResult(const std::string& path, const LocateResult& result, double threshold) {
+std::string toYaml(const Looked& looked) {
+  return toYaml(looked.detection) + ", views: " + std::to_string(looked.detection.views) +
+         ", look: " + nameOf(looked.last.status) + ", moved: " + yamlNumber(looked.last.moved, 6);
+}
+
+template <class Entry>
+std::string listOf(const std::string& key, const std::vector<Entry>& entries) {
+  std::string yaml = "\n" + key + ":";
+  if (entries.empty()) yaml += " []";
+  for (const Entry& entry : entries) yaml += "\n  - " + toYaml(entry) + "}";
+  return yaml;
+}
+
+/// Those that further views contradict, or not.
+std::vector<Looked> only(const std::vector<Looked>& looked, bool contradicted) {
+  std::vector<Looked> out;
+  for (const Looked& entry : looked) {
+    if ((entry.last.status == LookStatus::kContradicted) == contradicted) out.push_back(entry);
+  }
+  return out;
+}
+
+void writeResult(const std::string& path, const LocateResult& result,
+                 const std::vector<Looked>* looked, double threshold) {
   std::string yaml = "seconds: " + yamlNumber(result.report.seconds, 6) +
-                     "\nthreshold: " + yamlNumber(threshold, 6) + "\ndetections:";
-  if (result.detections.empty()) yaml += " []";
-  for (const Detection& detection : result.detections) yaml += "\n  - " + toYaml(detection);
+                     "\nthreshold: " + yamlNumber(threshold, 6);
+  if (looked != nullptr) {
+    yaml +=
+        listOf("detections", only(*looked, false)) + listOf("contradicted", only(*looked, true));
+  } else {
+    yaml += listOf("detections", result.detections);
+  }
   std::ofstream file(path);
   file << yaml << "\n";
   file.close();
@@ -195,6 +229,7 @@ void checkWritable(const std::string& path) {
 void checkResults(const Options& options) {
   std::vector<std::string> inputs = options.parts;
   inputs.insert(inputs.end(), {options.camera, options.image, options.params});
+  inputs.insert(inputs.end(), options.views.begin(), options.views.end());
   for (const std::string& path : {options.output, options.overlay}) {
     if (path.empty()) continue;
     checkWritable(path);
@@ -209,6 +244,24 @@ void checkResults(const Options& options) {
   if (!options.overlay.empty() && !cv::haveImageWriter(options.overlay)) {
     throw std::runtime_error(options.overlay + ": cannot be written; end its name in .png or .jpg");
   }
+}
+
+/// Leaves what the other views do not contradict in the result.
+std::vector<Looked> lookAgain(const cv::Mat& image, const Camera& camera,
+                              const std::vector<ViewFiles>& files, const LocatorParams& params,
+                              const LocateRequest& request, LocateResult* result) {
+  double seconds = 0.0;
+  const auto looked = lookInViews(image, camera, files, params, request.parts, result->detections,
+                                  loadImage, &seconds);
+  result->detections.clear();
+  for (const Looked& entry : only(looked, false)) result->detections.push_back(entry.detection);
+  for (std::size_t i = 0; i < looked.size(); ++i) {
+    std::printf("look at %zu: %s, %s\n", i + 1, nameOf(looked[i].last.status),
+                looked[i].last.text.c_str());
+  }
+  result->report.stages.push_back({"views", seconds, result->detections.size()});
+  result->report.seconds += seconds;
+  return looked;
 }
 
 int run(const Options& options) {
@@ -228,9 +281,14 @@ int run(const Options& options) {
   request.max_parts = options.max_parts;
   const cv::Mat image = loadImage(options.image, camera);
   const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - start;
-  const LocateResult result = locator.locate(image, camera, request);
-  if (!options.output.empty())
-    writeResult(options.output, result, locator.params().score.threshold);
+  const auto files = viewFiles(options.views);
+  LocateResult result = locator.locate(image, camera, request);
+  std::vector<Looked> looked;
+  if (!files.empty()) looked = lookAgain(image, camera, files, locator.params(), request, &result);
+  if (!options.output.empty()) {
+    writeResult(options.output, result, files.empty() ? nullptr : &looked,
+                locator.params().score.threshold);
+  }
   if (!options.overlay.empty() &&
       !cv::imwrite(options.overlay, drawOverlay(image, camera, request.parts, result.detections))) {
     throw std::runtime_error(options.overlay +

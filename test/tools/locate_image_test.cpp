@@ -80,8 +80,9 @@ TEST_F(LocateImage, PrintsItsUsage) {
   EXPECT_TRUE(printsItsVersion(""));
   EXPECT_TRUE(printsItsVersion("--image a"));
   EXPECT_EQ(run("--help"), 0);
-  for (const char* option : {"--part", "--camera", "--image", "--distance-min", "--distance-max",
-                             "--face", "--max-parts", "--params", "--output", "--overlay"}) {
+  for (const char* option :
+       {"--part", "--camera", "--image", "--distance-min", "--distance-max", "--face",
+        "--max-parts", "--params", "--output", "--overlay", "--view"}) {
     EXPECT_NE(out_.find(option), std::string::npos) << option;
   }
 }
