@@ -32,6 +32,7 @@ MAY_INCLUDE = {
     "bin": {"base", "camera"},  # the bin itself, without parts
     "views": BELOW_LOCATOR | {"locate"},
     "pick": BELOW_LOCATOR | {"locate"},
+    "robot": {"base"},  # what robot controllers are sent
     "snapshot": BELOW_LOCATOR | {"locate"},
     "show": BELOW_LOCATOR | {"locate"},
     "calibrate/board": {"base", "camera"},
@@ -42,13 +43,15 @@ MAY_INCLUDE = {
     "ros/input": {"ros/shared"},
     "ros/locator/answer": {"ros/shared", "ros/input"},
     "ros/locator/parts": {"ros/shared"},
+    "ros/locator/health": {"ros/shared", "ros/input", "ros/locator/parts"},
     "ros/locator/snapshot": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts"},
     "ros/locator/views": {"ros/shared", "ros/input", "ros/locator/answer"},
     "ros/locator": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts", "ros/locator/snapshot",
-                    "ros/locator/views"},
+                    "ros/locator/health", "ros/locator/views"},
     "ros/hdr": {"ros/shared", "ros/input"},
     "ros/calibrator": {"ros/shared", "ros/input"},
     "ros/hand_eye": {"ros/shared"},
+    "ros/robot_server": {"ros/shared"},
 }
 # Units that others may include without the rest of their room, as if these were rooms of their own.
 OWN_ROOM = {

@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planar_bin_picking/robot/robot_line.h"
+
+#include <algorithm>
+#include <iomanip>
+#include <locale>
+#include <sstream>
+#include <stdexcept>
+
+namespace planar_bin_picking {
+namespace {
+
+constexpr std::size_t kTextMost = 200;  // characters; controllers have short strings
+
+std::string lower(std::string word) {
+  for (char& c : word)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return word;
+}
+
+std::vector<std::string> words(const std::string& line) {
+  for (const char c : line)
+    if ((static_cast<unsigned char>(c) < ' ' && c != '\t') || c == 0x7F)
+      throw std::invalid_argument("the line has a control character in it");
+  std::istringstream in(line);
+  std::vector<std::string> found;
+  for (std::string word; in >> word;) found.push_back(word);
+  return found;
+}
+
+double number(const std::string& word) {
+  std::istringstream in(word);
+  in.imbue(std::locale::classic());
+  double value = 0.0;
+  if (!(in >> value) || !in.eof())
+    throw std::invalid_argument("\"" + word.substr(0, 40) + "\" is no number");
+  return value;
+}
+
+/// "flange" and its numbers, which end the line.
+void takeFlange(const std::vector<std::string>& all, std::size_t at, PoseConvention convention,
+                RobotCommand* command) {
+  std::vector<double> numbers;
+  for (; at < all.size(); ++at) numbers.push_back(number(all[at]));
+  command->T_base_flange = fromNumbers(numbers, convention);
+}
+
+RobotCommand parseLocate(const std::vector<std::string>& all, PoseConvention convention) {
+  RobotCommand command;
+  command.kind = RobotCommand::Kind::kLocate;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    const std::string word = lower(all[i]);
+    if (word == "flange") {
+      takeFlange(all, i + 1, convention, &command);
+      break;
+    }
+    if (word == "front") {
+      command.face = FaceFilter::kFront;
+    } else if (word == "back") {
+      command.face = FaceFilter::kBack;
+    } else if (word != "*") {
+      command.parts.push_back(all[i]);
+    }
+  }
+  return command;
+}
+
+RobotCommand parseReport(const std::vector<std::string>& all) {
+  RobotCommand command;
+  command.kind = RobotCommand::Kind::kReport;
+  const std::string word = all.size() == 2 ? lower(all[1]) : "";
+  if (word != "ok" && word != "failed")
+    throw std::invalid_argument("report takes one word: ok or failed");
+  command.success = word == "ok";
+  return command;
+}
+
+/// Sixteen digits would overflow some controllers' lines.
+std::string text(const double value) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << std::fixed << std::setprecision(6) << (value == 0.0 ? 0.0 : value);
+  return out.str();
+}
+
+std::string join(const std::vector<std::string>& numbers, const char* separator) {
+  std::string line;
+  for (const std::string& number : numbers) line += (line.empty() ? "" : separator) + number;
+  return line;
+}
+
+}  // namespace
+
+RobotCommand parseRobotLine(const std::string& line, const PoseConvention convention) {
+  const auto all = words(line);
+  const std::string verb = all.empty() ? "" : lower(all.front());
+  RobotCommand command;
+  if (verb == "locate") return parseLocate(all, convention);
+  if (verb == "report") return parseReport(all);
+  if (verb == "next" || verb == "hello") {
+    if (all.size() > 1) throw std::invalid_argument(verb + " takes no further word");
+    command.kind = verb == "next" ? RobotCommand::Kind::kNext : RobotCommand::Kind::kHello;
+    return command;
+  }
+  throw std::invalid_argument("\"" + verb.substr(0, 40) +
+                              "\" is not known; known are hello, locate, next, report");
+}
+
+std::string poseLine(const RobotPose& pose, const PoseConvention convention) {
+  const auto code = static_cast<int>(RobotCode::kPose);
+  const int face = pose.face == Face::kFront ? 1 : 2;
+  std::vector<std::string> numbers{std::to_string(code), std::to_string(pose.left),
+                                   std::to_string(face)};
+  for (const double n : toNumbers(pose.T_base_target, convention)) numbers.push_back(text(n));
+  if (pose.T_base_approach)
+    for (const double n : toNumbers(*pose.T_base_approach, convention)) numbers.push_back(text(n));
+  if (convention == PoseConvention::kUr) return "(" + join(numbers, ",") + ")\n";
+  return join(numbers, " ") + " " + pose.part + " " + pose.pick + "\n";
+}
+
+std::string textLine(const RobotCode code, const std::string& text,
+                     const PoseConvention convention) {
+  const std::string number = std::to_string(static_cast<int>(code));
+  if (convention == PoseConvention::kUr) return "(" + number + ")\n";
+  std::string line = text.substr(0, kTextMost);
+  for (char& c : line)
+    if (c < ' ' || c > '~') c = '?';
+  return number + " " + line + "\n";
+}
+
+}  // namespace planar_bin_picking
