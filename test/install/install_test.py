@@ -30,6 +30,7 @@ COMMANDS = {
     "test": r"\./run test$",
     "locate_image": r"\S+/locate_image ",
     "describe_part": r"\S+/describe_part ",
+    "add_part": r"rosrun planar_bin_picking add_part ",
     "cell": r"roslaunch planar_bin_picking cell\.launch ",
     "locate": r"rosservice call /locator/locate_part ",
     "cycle_demo": r"roslaunch planar_bin_picking cycle_demo\.launch ",
@@ -213,6 +214,14 @@ class Installed(unittest.TestCase):
                                 capture_output=True, timeout=60).stdout
         self.assertIn("\npick_poses: [suction, suction_back]\n", output)
         self.assertIn("\nwarnings: []\n", output)
+
+    def test_add_part_writes_a_part_to_begin_with(self):
+        shutil.copy(PACKAGE / "config/parts/bracket.dxf", self.root / "lever.dxf")
+        output = subprocess.run(self.here(command("add_part")), shell=True, check=True, text=True, env=self.environment,
+                                capture_output=True, timeout=60).stdout
+        self.assertIn("part: lever", output)
+        for name in ("lever.dxf", "lever.yaml", "lever.png"):
+            self.assertTrue((self.root / "parts" / name).exists(), name)
 
     def test_cell_answers_with_the_pick_poses_of_the_part_file(self):
         with self.session() as session:
