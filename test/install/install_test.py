@@ -6,9 +6,11 @@ files; only the folder /path/to of the examples is another one: install_test.py 
 import os
 import re
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -31,6 +33,7 @@ COMMANDS = {
     "locate_image": r"\S+/locate_image ",
     "describe_part": r"\S+/describe_part ",
     "add_part": r"rosrun planar_bin_picking add_part ",
+    "robot_server": r"roslaunch planar_bin_picking robot_server\.launch ",
     "cell": r"roslaunch planar_bin_picking cell\.launch ",
     "locate": r"rosservice call /locator/locate_part ",
     "cycle_demo": r"roslaunch planar_bin_picking cycle_demo\.launch ",
@@ -223,6 +226,18 @@ class Installed(unittest.TestCase):
         for name in ("lever.dxf", "lever.yaml", "lever.png"):
             self.assertTrue((self.root / "parts" / name).exists(), name)
 
+    def ask_robot_server(self, line, seconds=60.0):
+        """Its answer's words, once it is up."""
+        end = time.monotonic() + seconds
+        while True:
+            try:
+                with socket.create_connection(("127.0.0.1", 5700), 30.0) as server:
+                    server.sendall(line.encode() + b"\n")
+                    return server.makefile().readline().split()
+            except ConnectionRefusedError:
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.2)
+
     def test_cell_answers_with_the_pick_poses_of_the_part_file(self):
         with self.session() as session:
             session.start(f"rosrun planar_bin_picking play_scene.py {self.scene} "
@@ -230,6 +245,10 @@ class Installed(unittest.TestCase):
             session.start(self.here(command("cell")), "cell")
             session.wait_for("rosservice type /locator/locate_part", 60)
             answer = yaml.safe_load(session.run(command("locate")))
+            session.start(self.here(command("robot_server")), "robot_server")
+            robot = self.ask_robot_server("locate bracket")
+        self.assertEqual(robot[0], "0", robot)
+        self.assertEqual(len(robot), 3 + 6 + 6 + 2)  # numbers, pose, approach, names
         self.assertEqual(answer["status"], 0, answer["message"])
         self.assertLessEqual(len(answer["parts"]), 3)
         given = yaml.safe_load((self.root / "parts/bracket.yaml").read_text())["pick_poses"]

@@ -18,7 +18,7 @@ from test_sources import flatten, read
 EXPECTED = {"status": ("LocatePart", 1), "face": ("LocatePart", 0), "reason": ("RefusedPart", 0)}
 # Structs of parameters, which a unit test of the wrapper may set in place of a tree.
 STRUCTS = {"hdr.yaml": "HdrNodeParams", "cell.yaml": "CellParams", "calibrator.yaml": "CalibratorParams",
-           "pick.yaml": "PickParams"}
+           "pick.yaml": "PickParams", "robot_server.yaml": "RobotServerParams"}
 # Whatever provokes it through the interface is a fault to be mended.
 UNREACHABLE = {"LocatePart.srv response: constant INTERNAL_ERROR"}
 PICK_KEYS = {"name", "face", "symmetric"}
