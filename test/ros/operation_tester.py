@@ -4,19 +4,24 @@
 """One locator that runs on while its bin empties and its parts come and go."""
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+from xmlrpc.client import ServerProxy
 
 import numpy
+import rosgraph
 import roslib.packages
 import rospkg
 import rospy
 import rostest
-from planar_bin_picking.srv import ListParts, LocatePart, LocatePartRequest, LocatePartResponse
+import yaml
+from planar_bin_picking.srv import ListParts, LocatePart, LocatePartRequest, LocatePartResponse, ReportPick
 from std_srvs.srv import Trigger
+from visualization_msgs.msg import Marker, MarkerArray
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's relay of it
 from driven_cell import DrivenCell
@@ -24,6 +29,17 @@ from driven_cell import DrivenCell
 UP = 60.0  # s, for the node to come up; machines may be busy
 Status = LocatePartResponse
 BIN = {"bin_frame": "base", "bin_min": [0.46, -0.11, -0.03], "bin_max": [0.66, 0.11, 0.17]}
+
+NEAR = {"order_near": 1000.0, "near_x": 0.3, "near_y": 0.3, "near_z": 0.1}
+CENTER = (0.06, 0.04, 0.0)  # of the bracket, from its origin, m; to the thickness
+
+
+def center(part):
+    """In the answer's frame."""
+    p, q = part.pose.pose.position, part.pose.pose.orientation
+    axis, x = numpy.array([q.x, q.y, q.z]), numpy.array(CENTER)
+    turned = x + 2.0 * numpy.cross(axis, numpy.cross(axis, x) + q.w * x)
+    return numpy.array([p.x, p.y, p.z]) + turned
 
 
 def floor(plates):
@@ -47,8 +63,9 @@ class Operation(unittest.TestCase):
         shutil.copytree(os.path.join(cls.folder, "test/ros/parts"), cls.parts)
         cls.processes = []
         cls.start("op", **BIN)
-        cls.start("coarse", **{"empty_mark": 0.5, "parts_poll": 0.0}, **BIN)
-        cls.start("no_bin", distance_min=0.78, distance_max=0.98)
+        cls.start("coarse", {"order_walls": 1000.0}, **{"empty_mark": 0.5, "parts_poll": 0.0}, **BIN)
+        cls.start("no_bin", NEAR, distance_min=0.78, distance_max=0.98)
+        cls.start("highest", {"order_height": 1000.0}, distance_min=0.78, distance_max=0.98)
         time.sleep(2.0)  # of tf, which the first call needs
 
     @classmethod
@@ -60,7 +77,8 @@ class Operation(unittest.TestCase):
         shutil.rmtree(cls.scratch)
 
     @classmethod
-    def start(cls, name, **cell):
+    def start(cls, name, pick=None, **cell):
+        rospy.set_param(name + "/pick", pick or {"failures_max": 2})
         rospy.set_param(name + "/cell", dict(target_frame="base", parts_folder=cls.parts, **cell))
         program = roslib.packages.find_node("planar_bin_picking", "locator")[0]
         cls.processes.append(subprocess.Popen([program, "__name:=" + name]))
@@ -132,6 +150,23 @@ class Operation(unittest.TestCase):
         both = self.call("op", Status.OK, part=wish.part, parts=wish.parts)
         self.assertLessEqual({part.part for part in both.parts}, {"bracket", "thick"})
         self.call("op", Status.UNKNOWN_PART, "nonesuch", part="bracket", parts=["nonesuch"])
+
+    # --- the order ---------------------------------------------------------------------------------
+    def assert_rising(self, values):
+        self.assertGreater(len(values), 2)
+        for before, after in zip(values, values[1:]):
+            self.assertLess(before, after + 0.004)  # the face's middle lies up to a thickness off
+
+    def test_parts_are_offered_in_the_order_that_the_cell_wants(self):
+        point = numpy.array([NEAR["near_x"], NEAR["near_y"], NEAR["near_z"]])
+        near = self.call("no_bin", Status.OK, part="bracket").parts
+        self.assert_rising([numpy.linalg.norm(center(part) - point) for part in near])
+        high = self.call("highest", Status.OK, part="bracket").parts
+        self.assert_rising([-center(part)[2] for part in high])
+        self.assertNotEqual([round(center(part)[0], 3) for part in near], [round(center(part)[0], 3) for part in high])
+        inner = self.call("coarse", Status.OK, part="bracket").parts
+        (x0, y0, _), (x1, y1, _) = BIN["bin_min"], BIN["bin_max"]
+        self.assert_rising([-min(x - x0, x1 - x, y - y0, y1 - y, 0.1) for x, y, _ in map(center, inner)])
 
     # --- the bin -----------------------------------------------------------------------------------
     def test_an_empty_bin_is_told_from_one_of_other_parts(self):

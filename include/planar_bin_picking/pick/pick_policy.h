@@ -10,6 +10,7 @@
 
 #include "planar_bin_picking/base/types.h"
 #include "planar_bin_picking/part/part_file.h"
+#include "planar_bin_picking/pick/pick_order.h"
 #include "planar_bin_picking/pick/surroundings.h"
 
 #include <optional>
@@ -31,6 +32,8 @@ struct PickParams {
   double same_place = 0.003;    ///< metres within which a detection is the instance that failed
   double changed_grey = 12.0;   ///< grey levels, mean over its surroundings, that are a change
 
+  PickOrder order;  ///< of what is offered, instead of that of the rank
+
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("score_min", self.score_min, 0.0, 1.0);
@@ -42,6 +45,12 @@ struct PickParams {
     visit("failures_max", self.failures_max, 1, 1000);
     visit("same_place", self.same_place, 0.0, 1.0);
     visit("changed_grey", self.changed_grey, 0.0, 255.0);
+    visit("order_height", self.order.height, 0.0, 1000.0);
+    visit("order_near", self.order.near, 0.0, 1000.0);
+    visit("near_x", self.order.near_x, -100.0, 100.0);
+    visit("near_y", self.order.near_y, -100.0, 100.0);
+    visit("near_z", self.order.near_z, -100.0, 100.0);
+    visit("order_walls", self.order.walls, 0.0, 1000.0);
   }
 };
 
@@ -104,7 +113,7 @@ struct PickPlan {
     std::vector<std::size_t> picks;
     int failures = 0;
   };
-  /// As given, but what failed before comes last.
+  /// By PickParams::order, or else as given; what failed before comes last.
   std::vector<Offer> offers;
   std::vector<Refused> refused;  ///< as given; those beyond the number asked for at the end
 };

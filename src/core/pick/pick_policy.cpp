@@ -94,6 +94,20 @@ const char* remedyFor(PickRefusal reason) {
   return "";
 }
 
+/// What the order looks at.
+PickPlace placeOf(const PickCandidate& candidate, const std::optional<PickBin>& bin) {
+  PickPlace place;
+  place.rank = candidate.score * candidate.visible_fraction * candidate.visible_fraction;
+  place.center_target = candidate.center;
+  place.height = candidate.center.z();
+  if (!bin) return place;
+  const Eigen::Vector3d x_bin = bin->T_bin_target * candidate.center;
+  place.height = x_bin.z();
+  place.wall_distance = std::min({x_bin.x() - bin->min.x(), bin->max.x() - x_bin.x(),
+                                  x_bin.y() - bin->min.y(), bin->max.y() - x_bin.y()});
+  return place;
+}
+
 }  // namespace
 
 double boxMargin(double sigma) {
@@ -196,7 +210,9 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
 PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
                           const std::optional<PickBin>& bin, std::size_t max_parts) {
   PickPlan plan;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
+  std::vector<PickPlace> places;
+  for (const PickCandidate& candidate : candidates) places.push_back(placeOf(candidate, bin));
+  for (const std::size_t i : ordered(places, params_.order)) {
     PickPlan::Offer offer{i, {}, recall(candidates[i])};
     const auto barred = dropBarred(candidates[i], bin, &offer);
     const auto refused = refusal(candidates[i], bin, offer, barred);
