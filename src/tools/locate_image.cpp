@@ -12,6 +12,7 @@
 #include "planar_bin_picking/image/camera_file.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "planar_bin_picking/show/overlay.h"
+#include "planar_bin_picking/snapshot/snapshot.h"
 
 #include <unistd.h>
 
@@ -33,7 +34,7 @@ constexpr double kDegreesPerRadian = 180.0 / 3.14159265358979323846;
 
 struct Options {
   std::vector<std::string> parts, views;
-  std::string camera, image, params, output, overlay;
+  std::string camera, image, params, output, overlay, snapshot;
   double distance_min = 0.0, distance_max = 0.0;
   std::string face = "any";
   std::size_t max_parts = 0;
@@ -47,20 +48,17 @@ void addFile(CLI::App* app, const std::string& name, std::string* path, bool req
 void addOptions(CLI::App* app, Options* options) {
   app->add_option("--part", options->parts,
                   "a part: its .dxf or its .yaml; may be given several times")
-      ->required()
       ->type_name("P");
-  addFile(app, "--camera", &options->camera, true, "the camera's calibration, as ROS writes it");
-  addFile(app, "--image", &options->image, true,
+  addFile(app, "--camera", &options->camera, false, "the camera's calibration, as ROS writes it");
+  addFile(app, "--image", &options->image, false,
           "the picture: 8 or 16 bit, grey or colour, of the calibrated size; it is turned as its "
           "EXIF data say");
   app->add_option("--distance-min", options->distance_min,
                   "metres along the optical axis to the nearest a part may lie")
-      ->required()
       ->type_name("M")
       ->check(wrongMetres);
   app->add_option("--distance-max", options->distance_max,
                   "metres to the farthest: the floor of the bin")
-      ->required()
       ->type_name("M")
       ->check(wrongMetres);
   app->add_option("--face", options->face,
@@ -76,6 +74,8 @@ void addOptions(CLI::App* app, Options* options) {
       ->type_name("IMAGE CAMERA POSE")
       ->type_size(3)
       ->expected(-1);
+  addFile(app, "--snapshot", &options->snapshot, false,
+          "the folder of a snapshot, in place of the five options above and of --params");
   addFile(app, "--params", &options->params, false,
           "parameters over the defaults, as config/locator.yaml");
   addFile(app, "--output", &options->output, false,
@@ -264,33 +264,67 @@ std::vector<Looked> lookAgain(const cv::Mat& image, const Camera& camera,
   return looked;
 }
 
-int run(const Options& options) {
-  if (options.distance_min > options.distance_max) {
-    throw std::invalid_argument("--distance-min is greater than --distance-max");
+/// What is located, out of the options or out of a snapshot.
+struct Task {
+  cv::Mat image;
+  Camera camera;
+  LocatorParams params;
+  LocateRequest request;
+};
+
+/// What the command line must have, unless there is a snapshot, which must not be mixed with it.
+void checkSources(const CLI::App& app, const Options& options) {
+  const bool from_snapshot = !options.snapshot.empty();
+  for (const char* name : {"--part", "--camera", "--image", "--distance-min", "--distance-max"}) {
+    const bool is_given = app.count(name) > 0;
+    if (is_given && from_snapshot)
+      throw std::invalid_argument(std::string(name) + " is given, and --snapshot has it, too");
+    if (!is_given && !from_snapshot) throw CLI::RequiredError(name);
   }
-  checkResults(options);
-  const auto start = std::chrono::steady_clock::now();
+  if (from_snapshot && !options.params.empty())
+    throw std::invalid_argument("--params is given, and --snapshot has it, too");
+}
+
+Task taskOf(const CLI::App& app, const Options& options) {
+  if (!options.snapshot.empty()) {
+    Snapshot snapshot = readSnapshot(options.snapshot);
+    if (app.count("--face") > 0) snapshot.request.face = faceOf(options.face);
+    if (app.count("--max-parts") > 0) snapshot.request.max_parts = options.max_parts;
+    return {snapshot.grey, snapshot.camera, snapshot.params, snapshot.request};
+  }
+  if (options.distance_min > options.distance_max)
+    throw std::invalid_argument("--distance-min is greater than --distance-max");
   const Camera camera = loadCamera(options.camera);
-  const Locator locator(options.params.empty() ? LocatorParams()
-                                               : loadLocatorParams(options.params));
+  const LocatorParams params =
+      options.params.empty() ? LocatorParams() : loadLocatorParams(options.params);
   LocateRequest request;
   request.parts = loadParts(options.parts);
   request.distance_min = options.distance_min;
   request.distance_max = options.distance_max;
   request.face = faceOf(options.face);
   request.max_parts = options.max_parts;
-  const cv::Mat image = loadImage(options.image, camera);
+  return {loadImage(options.image, camera), camera, params, request};
+}
+
+int run(const CLI::App& app, const Options& options) {
+  checkSources(app, options);
+  checkResults(options);
+  const auto start = std::chrono::steady_clock::now();
+  const Task task = taskOf(app, options);
+  const Locator locator(task.params);
   const std::chrono::duration<double> loading = std::chrono::steady_clock::now() - start;
   const auto files = viewFiles(options.views);
-  LocateResult result = locator.locate(image, camera, request);
+  LocateResult result = locator.locate(task.image, task.camera, task.request);
   std::vector<Looked> looked;
-  if (!files.empty()) looked = lookAgain(image, camera, files, locator.params(), request, &result);
+  if (!files.empty())
+    looked = lookAgain(task.image, task.camera, files, locator.params(), task.request, &result);
   if (!options.output.empty()) {
     writeResult(options.output, result, files.empty() ? nullptr : &looked,
                 locator.params().score.threshold);
   }
   if (!options.overlay.empty() &&
-      !cv::imwrite(options.overlay, drawOverlay(image, camera, request.parts, result.detections))) {
+      !cv::imwrite(options.overlay,
+                   drawOverlay(task.image, task.camera, task.request.parts, result.detections))) {
     throw std::runtime_error(options.overlay +
                              ": cannot be written; check the path and its permissions");
   }
@@ -307,5 +341,5 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Locates parts in one picture on disk.", kName);
   addOptions(&app, &options);
-  return runTool(&app, argc, argv, [&] { return run(options); });
+  return runTool(&app, argc, argv, [&] { return run(app, options); });
 }

@@ -62,7 +62,9 @@ class Operation(unittest.TestCase):
         cls.parts = os.path.join(cls.scratch, "parts")
         shutil.copytree(os.path.join(cls.folder, "test/ros/parts"), cls.parts)
         cls.processes = []
-        cls.start("op", **BIN)
+        snapshots = {"snapshot_folder": os.path.join(cls.scratch, "snapshots"), "snapshots_max": 3,
+                     "snapshots_mb": 100.0, "snapshot_failures": 2}
+        cls.start("op", **snapshots, **BIN)
         cls.start("coarse", {"order_walls": 1000.0}, **{"empty_mark": 0.5, "parts_poll": 0.0}, **BIN)
         cls.start("no_bin", NEAR, distance_min=0.78, distance_max=0.98)
         cls.start("highest", {"order_height": 1000.0}, distance_min=0.78, distance_max=0.98)
@@ -150,6 +152,65 @@ class Operation(unittest.TestCase):
         both = self.call("op", Status.OK, part=wish.part, parts=wish.parts)
         self.assertLessEqual({part.part for part in both.parts}, {"bracket", "thick"})
         self.call("op", Status.UNKNOWN_PART, "nonesuch", part="bracket", parts=["nonesuch"])
+
+    # --- snapshots ---------------------------------------------------------------------------------
+    def snapshots(self):
+        folder = os.path.join(self.scratch, "snapshots")
+        return sorted(os.path.join(folder, name) for name in os.listdir(folder) if not name.endswith(".partial"))
+
+    def of(self, reason):
+        return [path for path in self.snapshots() if path.endswith(reason)]
+
+    def run_tool(self, *command):
+        program = roslib.packages.find_node("planar_bin_picking", command[0])[0]
+        return subprocess.run([program, *command[1:]], capture_output=True, text=True, timeout=UP)
+
+    def test_snapshots_give_the_same_answer(self):
+        save = rospy.ServiceProxy("op/save_snapshot", Trigger)
+        answer = self.call("op", Status.OK, part="bracket", face=LocatePartRequest.FRONT)
+        saved = save()
+        self.assertTrue(saved.success, saved.message)
+        folder = saved.message
+        for name in ("image.pgm", "camera_info.yaml", "locator.yaml", "request.yaml", "result.yaml", "parts/bracket.dxf",
+                     "parts/bracket.yaml", "ros_request.txt", "ros_answer.txt", "ros_camera_info.txt",
+                     "transform.txt", "settings.txt"):
+            self.assertTrue(os.path.getsize(os.path.join(folder, name)) > 0, name)
+        replay = self.run_tool("replay_snapshot", folder)
+        self.assertEqual(replay.returncode, 0, replay.stdout + replay.stderr)
+        self.assertIn("the same", replay.stdout)
+        located = self.run_tool("locate_image", "--snapshot", folder)
+        self.assertEqual(located.returncode, 0, located.stderr)
+        with open(os.path.join(folder, "result.yaml")) as file:
+            found = yaml.safe_load(file)
+        self.assertGreaterEqual(len(found["detections"]), len(answer.parts))
+        self.assertEqual(located.stdout.count("bracket"), len(found["detections"]))
+        self.assertEqual({one["face"] for one in found["detections"]}, {"front"})
+        mixed = self.run_tool("locate_image", "--snapshot", folder, "--distance-min", "0.5")
+        self.assertEqual(mixed.returncode, 2)
+        with open(os.path.join(folder, "result.yaml"), "a") as file:
+            file.write("# changed\n")
+        self.assertEqual(self.run_tool("replay_snapshot", folder).returncode, 1)
+        os.remove(os.path.join(folder, "image.pgm"))
+        self.assertEqual(self.run_tool("replay_snapshot", folder).returncode, 2)
+        unset = rospy.ServiceProxy("no_bin/save_snapshot", Trigger)()
+        self.assertFalse(unset.success)
+        self.assertIn("snapshot_folder", unset.message)
+
+    def test_what_goes_wrong_is_saved(self):
+        rows, columns = self.cell.grey.shape
+        self.cell.change(spoil=floor([(columns // 2, rows // 2)]))
+        self.call("op", Status.NO_PART_FOUND, part="bracket")
+        self.comes_true(lambda: self.of("NO_PART_FOUND"))
+        self.cell.good()
+        for _ in range(2):  # snapshot_failures
+            part = self.call("op", Status.OK, part="bracket", max_parts=1).parts[0]
+            report = rospy.ServiceProxy("op/report_pick", ReportPick)
+            report(stamp=part.header.stamp, child_frame=part.child_frame, success=False)
+        self.comes_true(lambda: self.of("FAILED_PICKS"))
+        self.assertEqual(self.run_tool("replay_snapshot", self.of("FAILED_PICKS")[0]).returncode, 0)
+        for _ in range(4):  # no more than snapshots_max
+            self.assertTrue(rospy.ServiceProxy("op/save_snapshot", Trigger)().success)
+        self.assertEqual(len(self.snapshots()), 3)
 
     # --- the order ---------------------------------------------------------------------------------
     def assert_rising(self, values):

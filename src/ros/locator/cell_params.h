@@ -39,6 +39,11 @@ struct CellParams {
   double tf_timeout = 0.5;  ///< s, wall time: how much later than the image its tf may come in
   double tf_gap_max = kTfGapMax;  ///< s, between the two samples of tf around the image
 
+  std::string snapshot_folder;  ///< where calls that went wrong are saved; "" = nowhere
+  int snapshots_max = 20;       ///< kept there; the oldest go
+  double snapshots_mb = 500.0;  ///< of all together
+  int snapshot_failures = 3;    ///< failed picks in a row after which one is saved; 0 = never
+
   bool hasBin() const { return !bin_frame.empty(); }
 
   /// Calls visit(key, member, min, max) for numbers and visit(key, member) for all else.
@@ -61,6 +66,10 @@ struct CellParams {
     visit("image_timeout", self.image_timeout, 0.0, 3600.0);
     visit("tf_timeout", self.tf_timeout, 0.0, 60.0);
     visit("tf_gap_max", self.tf_gap_max, 0.001, 60.0);
+    visit("snapshot_folder", self.snapshot_folder);
+    visit("snapshots_max", self.snapshots_max, 1, 100000);
+    visit("snapshots_mb", self.snapshots_mb, 1.0, 1e7);
+    visit("snapshot_failures", self.snapshot_failures, 0, 1000);
   }
 };
 

@@ -151,6 +151,9 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       publisher_(call_pnh_, prompt_pnh_, cell_.frame_prefix),
       picks_(loadPickParams(readTree(pnh, kPickParams))),
       part_services_(parts_, call_pnh_, prompt_pnh_),
+      snapshots_(
+          {cell_.snapshot_folder, cell_.snapshots_max, cell_.snapshots_mb, cell_.snapshot_failures},
+          settings(), call_pnh_),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_),
       prompt_spinner_(1, &prompt_queue_) {
@@ -176,6 +179,11 @@ LocatorRos::~LocatorRos() {
   image_spinner_.stop();
 }
 
+std::string LocatorRos::settings() const {
+  return "locator:" + describe(locator_.params()) + "\ncell:" + describe(cell_) +
+         "\npick:" + describe(picks_.params()) + "\n";
+}
+
 bool LocatorRos::serve(Event<LocatePart>& event) {
   const Request& request = event.getRequest();
   Response& response = event.getResponse();
@@ -197,6 +205,8 @@ bool LocatorRos::serve(Event<LocatePart>& event) {
 
 bool LocatorRos::serveReport(Event<planar_bin_picking::ReportPick>& event) {
   picks_.report(event.getCallerName(), event.getRequest(), &event.getResponse());
+  if (event.getResponse().status != planar_bin_picking::ReportPick::Response::UNKNOWN_PART)
+    snapshots_.reported(event.getRequest().success);
   ROS_INFO_STREAM("report_pick '" << event.getRequest().child_frame
                                   << "': " << event.getResponse().message);
   return true;
@@ -217,7 +227,8 @@ Camera LocatorRos::cameraOf(const Frame& frame) const {
 
 void LocatorRos::answer(const std::string& caller, const Request& request, Response& response) {
   Stopwatch watch(response);
-  std::vector<PartPtr> parts = parts_.current()->select(request.part, request.parts);
+  const auto library = parts_.current();
+  const std::vector<PartPtr> parts = library->select(request.part, request.parts);
   publisher_.withdraw(parts);  // whatever comes of this call, the former answer no longer holds
   faceFilter(request.face);    // refuses a wrong request before it waits
   checkTimes(request);
@@ -246,6 +257,8 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   const planar_bin_picking::Report report = answer.result.report;
   watch.lap(report.stages);
 
+  CallRecord record{answer, locate_request, locator_.params(), library, T_target_camera, request,
+                    {}};
   planar_bin_picking::FloorCover cover;
   if (frames.bin) {
     cover = lookIntoBin(cell_, (frames.bin->T_bin_target * T_target_camera).inverse(), answer);
@@ -261,6 +274,8 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   conclude({locate_request, report, locator_.params().score.threshold, offered.hint, cell_, cover},
            &response);
   if (!unsuitable.empty()) response.message += "; not looked for: " + unsuitable;
+  record.answered = response;
+  snapshots_.note(std::move(record));
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {

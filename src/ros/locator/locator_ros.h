@@ -14,6 +14,7 @@
 #include "locator/cell_params.h"
 #include "locator/parts/part_services.h"
 #include "locator/pick_keeper.h"
+#include "locator/snapshot/snapshot_keeper.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "shared/transform_listener.h"
 
@@ -49,6 +50,9 @@ class LocatorRos {
   /// The steps of a call. @throws Refusal  there is no answer
   void answer(const std::string& caller, const Request& request, Response& response);
 
+  /// All parameters in force, a line each.
+  std::string settings() const;
+
   Frame awaitFrame(const Request& request);
   /// As the file says, where there is one, or else as its camera_info. @throws Refusal
   planar_bin_picking::Camera cameraOf(const Frame& frame) const;
@@ -74,6 +78,7 @@ class LocatorRos {
   AnswerPublisher publisher_;
   PickKeeper picks_;
   PartServices part_services_;
+  SnapshotKeeper snapshots_;
   std::mutex locate_mutex_;
   ros::ServiceServer service_, report_service_;
   ros::AsyncSpinner image_spinner_, call_spinner_, prompt_spinner_;

@@ -49,6 +49,8 @@ class PickKeeper {
   /// Publishes an answer and returns what went out, with its frames' names.
   using Publish = std::function<std::vector<planar_bin_picking::LocatedPart>(Answer)>;
 
+  const planar_bin_picking::PickParams& params() const { return policy_.params(); }
+
   struct Offered {
     std::vector<planar_bin_picking::LocatedPart> parts;
     std::vector<planar_bin_picking::RefusedPart> refused;
