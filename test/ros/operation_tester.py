@@ -19,6 +19,7 @@ import rospkg
 import rospy
 import rostest
 import yaml
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from planar_bin_picking.srv import ListParts, LocatePart, LocatePartRequest, LocatePartResponse, ReportPick
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
@@ -212,6 +213,36 @@ class Operation(unittest.TestCase):
             self.assertTrue(rospy.ServiceProxy("op/save_snapshot", Trigger)().success)
         self.assertEqual(len(self.snapshots()), 3)
 
+    # --- what an operator looks at -----------------------------------------------------------------
+    def diagnostics(self, locator):
+        """{task: status} of the next message of that locator."""
+        end = time.monotonic() + UP
+        while time.monotonic() < end:
+            message = rospy.wait_for_message("/diagnostics", DiagnosticArray, UP)
+            found = {status.name.split(": ")[-1]: status for status in message.status
+                     if status.name.startswith(locator + ":")}  # without a slash
+            if found:
+                return found
+        self.fail("no diagnostics of " + locator)
+
+    def test_diagnostics_and_parameters(self):
+        self.call("op", Status.OK, part="bracket", max_parts=1)
+        self.comes_true(lambda: self.diagnostics("op")["calls"].message.startswith("OK: 1 located"))
+        found = self.diagnostics("op")
+        self.assertEqual(found["camera"].level, DiagnosticStatus.OK)
+        values = {task: {pair.key: pair.value for pair in found[task].values} for task in found}
+        self.assertAlmostEqual(float(values["camera"]["rate in Hz"]), 5.0, delta=2.5)
+        self.assertEqual(values["calls"]["offered"], "1")
+        self.assertGreaterEqual(int(values["calls"]["refused, BEYOND_MAX_PARTS"]), 1)
+        self.assertEqual(found["parts"].level, DiagnosticStatus.WARN)
+        self.assertIn("torn", found["parts"].message)
+        self.cell.change(has_images=False)
+        self.comes_true(lambda: self.diagnostics("op")["camera"].level == DiagnosticStatus.ERROR)
+        parameters = rospy.ServiceProxy("coarse/parameters", Trigger)()
+        self.assertTrue(parameters.success)
+        for line in ("empty_mark: 0.5", "hough/yaw_step_deg: 5", "failures_max: 2"):
+            self.assertIn(line, parameters.message)
+
     # --- the order ---------------------------------------------------------------------------------
     def assert_rising(self, values):
         self.assertGreater(len(values), 2)
@@ -228,6 +259,17 @@ class Operation(unittest.TestCase):
         inner = self.call("coarse", Status.OK, part="bracket").parts
         (x0, y0, _), (x1, y1, _) = BIN["bin_min"], BIN["bin_max"]
         self.assert_rising([-min(x - x0, x1 - x, y - y0, y1 - y, 0.1) for x, y, _ in map(center, inner)])
+
+    def test_it_comes_back_after_it_has_died(self):
+        launch = subprocess.Popen(["roslaunch", "planar_bin_picking", "cell.launch", "name:=phoenix", "respawn:=true",
+                                   "parts:=" + self.parts], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.processes.append(launch)
+        self.list_parts("phoenix")
+        master = rosgraph.Master("/operation_tester")
+        first = master.lookupNode("/phoenix")
+        os.kill(ServerProxy(first).getPid("/operation_tester")[2], signal.SIGKILL)
+        self.comes_true(lambda: master.lookupNode("/phoenix") != first)
+        self.call("phoenix", Status.OK, part="bracket")
 
     # --- the bin -----------------------------------------------------------------------------------
     def test_an_empty_bin_is_told_from_one_of_other_parts(self):

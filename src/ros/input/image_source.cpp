@@ -106,6 +106,12 @@ Frame ImageSource::await(const ros::Time& not_before, const ros::Duration& timeo
   return *frame;
 }
 
+ImageSource::Traffic ImageSource::traffic() const {
+  const bool has_publisher = images_.getNumPublishers() > 0;
+  const std::lock_guard<std::mutex> lock(arrivals_mutex_);
+  return {image_arrivals_, info_arrivals_, has_publisher};
+}
+
 std::string ImageSource::whyNone(const FrameWish& wish, const SteadyTime called) const {
   if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
     return "use_sim_time is set, but no /clock comes in; start the bag or the simulator, or unset "

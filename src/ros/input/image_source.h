@@ -38,14 +38,19 @@ class ImageSource {
   void close() { inbox_.close(); }  ///< ends all waiting
   void open() { inbox_.open(); }    ///< after close(): later calls wait again
 
- private:
   /// What came on one topic, to tell what is missing when no pair comes.
   struct Arrivals {
     std::size_t count = 0;
     ros::Time stamp;      ///< of the newest
     SteadyTime received;  ///< when that came
   };
+  struct Traffic {
+    Arrivals images, infos;
+    bool has_publisher = false;  ///< of images
+  };
+  Traffic traffic() const;
 
+ private:
   void note(const ros::Time& stamp, Arrivals* arrivals);
   void forgetIfClockWentBack();
   /// @param called  when the call began

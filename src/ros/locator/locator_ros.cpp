@@ -154,6 +154,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       snapshots_(
           {cell_.snapshot_folder, cell_.snapshots_max, cell_.snapshots_mb, cell_.snapshot_failures},
           settings(), call_pnh_),
+      health_(source_, parts_, {!cell_.trigger_service.empty(), settings()}, prompt_pnh_),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_),
       prompt_spinner_(1, &prompt_queue_) {
@@ -200,6 +201,7 @@ bool LocatorRos::serve(Event<LocatePart>& event) {
     response.message = std::string(error.what()) + "; please report this with the image";
     ROS_ERROR_STREAM(kLocatePartService << " '" << wishOf(request) << "': " << response.message);
   }
+  health_.called(response);
   return true;  // the call itself worked, whatever its status
 }
 

@@ -12,6 +12,7 @@
 #include "input/image_source.h"
 #include "locator/answer/answer_publisher.h"
 #include "locator/cell_params.h"
+#include "locator/health/health.h"
 #include "locator/parts/part_services.h"
 #include "locator/pick_keeper.h"
 #include "locator/snapshot/snapshot_keeper.h"
@@ -79,6 +80,7 @@ class LocatorRos {
   PickKeeper picks_;
   PartServices part_services_;
   SnapshotKeeper snapshots_;
+  Health health_;
   std::mutex locate_mutex_;
   ros::ServiceServer service_, report_service_;
   ros::AsyncSpinner image_spinner_, call_spinner_, prompt_spinner_;

@@ -12,6 +12,7 @@ constexpr char kImageTopic[] = "camera/image_raw";
 // Private, below the node's name.
 constexpr char kLocatePartService[] = "locate_part";
 constexpr char kReportPickService[] = "report_pick";
+constexpr char kParametersService[] = "parameters";
 constexpr char kSaveSnapshotService[] = "save_snapshot";
 constexpr char kListPartsService[] = "list_parts";
 constexpr char kReloadPartsService[] = "reload_parts";

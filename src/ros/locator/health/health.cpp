@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locator/health/health.h"
+
+#include "shared/names.h"
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+#include <planar_bin_picking/RefusedPart.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace planar_bin_picking_ros {
+
+using diagnostic_msgs::DiagnosticStatus;
+using planar_bin_picking::RefusedPart;
+using Response = planar_bin_picking::LocatePart::Response;
+
+namespace {
+
+const char* nameOfStatus(const std::uint8_t status) {
+  constexpr const char* kNames[] = {"OK",
+                                    "NO_PART_FOUND",
+                                    "NO_IMAGE",
+                                    "UNKNOWN_PART",
+                                    "NO_TRANSFORM",
+                                    "BAD_CAMERA_INFO",
+                                    "BAD_IMAGE",
+                                    "BAD_REQUEST",
+                                    "BAD_BIN",
+                                    "INTERNAL_ERROR",
+                                    "DEADLOCK",
+                                    "BAD_PLANE",
+                                    "BAD_PART_SIZE",
+                                    "EMPTY"};
+  return status < std::size(kNames) ? kNames[status] : "?";
+}
+
+const char* nameOfReason(const std::uint8_t reason) {
+  constexpr const char* kNames[] = {"LOW_SCORE",    "OCCLUDED",      "TILT",
+                                    "WALL",         "FAILED_BEFORE", "OUTSIDE",
+                                    "NO_PICK_POSE", "WRONG_FACE",    "BEYOND_MAX_PARTS"};
+  return reason < std::size(kNames) ? kNames[reason] : "?";
+}
+
+/// What needs a person is an error, what a robot program goes on from is a warning.
+std::uint8_t levelOf(const std::uint8_t status) {
+  switch (status) {
+    case Response::OK:
+    case Response::EMPTY:
+      return DiagnosticStatus::OK;
+    case Response::NO_PART_FOUND:
+    case Response::DEADLOCK:
+    case Response::UNKNOWN_PART:
+    case Response::BAD_REQUEST:
+    case Response::BAD_PART_SIZE:
+      return DiagnosticStatus::WARN;
+    default:
+      return DiagnosticStatus::ERROR;
+  }
+}
+
+double since(const SteadyTime then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+}  // namespace
+
+Health::Health(const ImageSource& source, const PartStore& parts, Cell cell, ros::NodeHandle nh)
+    : source_(source), parts_(parts), cell_(std::move(cell)), updater_(nh, nh, nh.getNamespace()) {
+  updater_.setHardwareID(source_.topic());
+  updater_.add("camera", this, &Health::camera);
+  updater_.add("parts", [this](Status& status) { this->parts(status); });
+  updater_.add("calls", this, &Health::calls);
+  constexpr double kPeriod = 1.0;  // s
+  timer_ = nh.createWallTimer(ros::WallDuration(kPeriod),
+                              [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+  const boost::function<bool(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&)> serve =
+      [this](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+        response.success = true;
+        response.message = cell_.settings;
+        return true;
+      };
+  parameters_ = nh.advertiseService(kParametersService, serve);
+}
+
+void Health::called(const Response& response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  latest_ = response;
+  called_ = std::chrono::steady_clock::now();
+  ++by_status_[response.status];
+}
+
+void Health::camera(Status& status) {
+  constexpr double kOld = 5.0;  // s without an image that comes of itself
+  const ImageSource::Traffic traffic = source_.traffic();
+  const std::size_t fresh = traffic.images.count - images_;
+  const double rate = static_cast<double>(fresh) / std::max(1e-3, since(looked_));
+  images_ = traffic.images.count;
+  looked_ = std::chrono::steady_clock::now();
+  const bool has_image = traffic.images.count > 0;
+  const double age = has_image ? since(traffic.images.received) : -1.0;
+  if (!traffic.has_publisher) {
+    status.summary(DiagnosticStatus::ERROR, "nobody publishes " + source_.topic());
+  } else if (cell_.has_trigger && !has_image) {
+    status.summary(DiagnosticStatus::OK, "images come on request; none was asked for yet");
+  } else if (!has_image || (!cell_.has_trigger && age > kOld)) {
+    status.summary(DiagnosticStatus::ERROR, "no image comes on " + source_.topic());
+  } else if (traffic.infos.count == 0) {
+    status.summary(DiagnosticStatus::ERROR, "no camera_info comes beside " + source_.topic());
+  } else if (std::abs((traffic.images.stamp - traffic.infos.stamp).toSec()) > kOld) {
+    status.summary(DiagnosticStatus::ERROR, "images and camera_info have different stamps");
+  } else {
+    status.summary(DiagnosticStatus::OK, "images come");
+  }
+  status.add("topic", source_.topic());
+  status.add("rate in Hz", rate);
+  status.add("age of the latest image in s", age);
+  status.add("images", traffic.images.count);
+  status.add("camera_infos", traffic.infos.count);
+}
+
+void Health::parts(Status& status) const {
+  const auto library = parts_.current();
+  const std::string trouble = parts_.trouble();
+  std::string broken;
+  for (const auto& entry : library->errors()) broken += (broken.empty() ? "" : ", ") + entry.first;
+  if (!trouble.empty()) {
+    status.summary(DiagnosticStatus::ERROR, "the parts folder cannot be read: " + trouble);
+  } else if (library->parts().empty()) {
+    status.summary(DiagnosticStatus::ERROR, "there is no part that can be located");
+  } else if (!broken.empty()) {
+    status.summary(DiagnosticStatus::WARN, "not available: " + broken);
+  } else {
+    status.summary(DiagnosticStatus::OK, "all parts could be read");
+  }
+  status.add("folder", library->folder());
+  status.add("available", library->parts().size());
+  for (const auto& [name, error] : library->errors()) status.add("part " + name, error);
+}
+
+void Health::calls(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::size_t calls = 0;
+  for (const auto& entry : by_status_) calls += entry.second;
+  if (calls == 0) {
+    status.summary(DiagnosticStatus::OK, "no call yet");
+    return;
+  }
+  status.summary(levelOf(latest_.status),
+                 std::string(nameOfStatus(latest_.status)) + ": " + latest_.message);
+  status.add("latest, s ago", since(called_));
+  status.add("offered", latest_.parts.size());
+  std::map<std::uint8_t, std::size_t> reasons;
+  for (const auto& refused : latest_.refused) ++reasons[refused.reason];
+  for (const auto& [reason, count] : reasons)
+    status.add(std::string("refused, ") + nameOfReason(reason), count);
+  double seconds = 0.0;
+  for (const auto& time : latest_.times)
+    if (time.stage != "wait") seconds += time.seconds;
+  status.add("seconds without waiting", seconds);
+  if (!latest_.parts.empty()) status.add("score of the first", latest_.parts.front().score);
+  status.add("filling", latest_.filling);
+  status.add("calls", calls);
+  for (const auto& [code, count] : by_status_)
+    status.add(std::string("calls that ended with ") + nameOfStatus(code), count);
+}
+
+}  // namespace planar_bin_picking_ros
