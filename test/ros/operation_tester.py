@@ -260,6 +260,20 @@ class Operation(unittest.TestCase):
         (x0, y0, _), (x1, y1, _) = BIN["bin_min"], BIN["bin_max"]
         self.assert_rising([-min(x - x0, x1 - x, y - y0, y1 - y, 0.1) for x, y, _ in map(center, inner)])
 
+    def test_rviz_shows_nothing_old(self):
+        def markers():
+            return rospy.wait_for_message("op/markers", MarkerArray, UP).markers
+        self.call("op", Status.OK, part="bracket")
+        self.assertGreater(len(markers()), 2)
+        self.cell.change(has_images=False)
+        self.call("op", Status.NO_IMAGE, part="bracket", timeout=rospy.Duration(0.2))
+        self.comes_true(lambda: [marker.action for marker in markers()] == [Marker.DELETEALL])
+        self.cell.good()
+        self.call("op", Status.OK, part="bracket")
+        self.cell.change(spoil=floor([]))
+        self.call("op", Status.EMPTY, part="bracket")
+        self.assertEqual([marker.action for marker in markers()], [Marker.DELETEALL])
+
     def test_it_comes_back_after_it_has_died(self):
         launch = subprocess.Popen(["roslaunch", "planar_bin_picking", "cell.launch", "name:=phoenix", "respawn:=true",
                                    "parts:=" + self.parts], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -201,6 +201,10 @@ bool LocatorRos::serve(Event<LocatePart>& event) {
     response.message = std::string(error.what()) + "; please report this with the image";
     ROS_ERROR_STREAM(kLocatePartService << " '" << wishOf(request) << "': " << response.message);
   }
+  const bool has_answer = response.status == Response::OK || response.status == Response::EMPTY ||
+                          response.status == Response::NO_PART_FOUND ||
+                          response.status == Response::DEADLOCK;
+  if (!has_answer) publisher_.clearMarkers();
   health_.called(response);
   return true;  // the call itself worked, whatever its status
 }

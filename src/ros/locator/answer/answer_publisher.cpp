@@ -111,6 +111,8 @@ void AnswerPublisher::withdraw(const std::vector<planar_bin_picking::PartPtr>& p
   sendFrames();
 }
 
+void AnswerPublisher::clearMarkers() { markers_.publish(makeMarkers({}, {}, {})); }
+
 std::shared_ptr<const Answer> AnswerPublisher::publish(Answer answer) {
   const std::lock_guard<std::mutex> lock(mutex_);
   frames_.name(answer.located);

@@ -37,6 +37,9 @@ class AnswerPublisher {
   /// A call begins that will say anew where these parts are: what was said before no longer holds.
   void withdraw(const std::vector<planar_bin_picking::PartPtr>& parts);
 
+  /// A call ended without an answer: rviz shall not go on showing the one before.
+  void clearMarkers();
+
   /// Names the answer's frames and publishes it. Safe to call from several threads.
   std::shared_ptr<const Answer> publish(Answer answer);
 
