@@ -13,6 +13,10 @@
 ///   that look the same
 ///
 /// Frames: base -> flange -> tool, and base -> camera or flange -> camera.
+///
+/// Where robot_noise_mm or robot_noise_deg is set (standard deviations per axis), the flange is a
+/// little elsewhere than tf says, anew after each move; likewise the camera on it by
+/// hand_eye_noise_mm and hand_eye_noise_deg, once and for all.
 
 #include "sim/simulated_cell.h"
 
@@ -35,6 +39,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <random>
 #include <sstream>
 
 namespace planar_bin_picking::cell {
@@ -104,6 +109,21 @@ CellConfig loadConfig(double camera_height) {
   return config;
 }
 
+/// A small motion with these standard deviations per axis.
+Eigen::Isometry3d smallMotion(double millimetres, double degrees, std::mt19937* random) {
+  std::normal_distribution<double> normal;
+  const auto three = [&](double sigma) {
+    return Eigen::Vector3d(sigma * normal(*random), sigma * normal(*random),
+                           sigma * normal(*random));
+  };
+  const Eigen::Vector3d shift = three(1e-3 * millimetres), turn = three(degrees * kPi / 180.0);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = shift;
+  if (turn.norm() > 0.0)
+    T.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+  return T;
+}
+
 class CellNode {
  public:
   CellNode()
@@ -119,6 +139,9 @@ class CellNode {
         Eigen::Translation3d(0.05, -0.03, 0.02) * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
     T_flange_tool_ = Eigen::Translation3d(0.0, 0.0, 0.12);
     T_base_flange_ = home();
+    random_.seed(static_cast<unsigned>(seed_));
+    T_camera_true_ = smallMotion(param<double>("hand_eye_noise_mm", 0.0),
+                                 param<double>("hand_eye_noise_deg", 0.0), &random_);
     const bool is_automatic = exposure_us_ <= 0;
     if (is_automatic)
       exposure_us_ = static_cast<int>(std::lround(1e6 * cell_.exposureFor(T_base_camera())));
@@ -148,10 +171,12 @@ class CellNode {
     return on_arm_ ? T_base_camera * T_flange_camera_.inverse() : lookingDown(0.0, 0.45, 0.5);
   }
   Eigen::Isometry3d T_base_camera() const {
-    if (on_arm_) return T_base_flange_ * T_flange_camera_;
+    if (on_arm_) return trueFlange() * T_flange_camera_ * T_camera_true_;
     return lookingDown(0.012, -0.008, height_) *
            Eigen::Isometry3d(Eigen::AngleAxisd(0.03, Eigen::Vector3d(1.0, 0.5, 0.3).normalized()));
   }
+
+  Eigen::Isometry3d trueFlange() const { return T_base_flange_ * T_flange_true_; }
 
   void sendTf() {
     const std::lock_guard<std::mutex> lock(flange_mutex_);
@@ -214,6 +239,7 @@ class CellNode {
     if (response.success) {
       const std::lock_guard<std::mutex> lock(flange_mutex_);
       T_base_flange_ = T_base_target;
+      T_flange_true_ = smallMotion(robot_noise_mm_, robot_noise_deg_, &random_);
     }
     sendTf();
     response.reached = request.target;
@@ -225,7 +251,7 @@ class CellNode {
   bool suction(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
     response.success = true;
     if (!request.data) return true;
-    const PickResult result = cell_.pick(T_base_flange_ * T_flange_tool_);
+    const PickResult result = cell_.pick(trueFlange() * T_flange_tool_);
     response.success = result == PickResult::kPicked;
     response.message = nameOf(result);
     publishTruth(ros::Time::now());
@@ -272,6 +298,12 @@ class CellNode {
   SimulatedCell cell_;
   std::mutex flange_mutex_;  ///< the thread that sends tf reads where the flange is
   Eigen::Isometry3d T_base_flange_, T_flange_camera_, T_flange_tool_;
+  const double robot_noise_mm_ = param<double>("robot_noise_mm", 0.0);
+  const double robot_noise_deg_ = param<double>("robot_noise_deg", 0.0);
+  std::mt19937 random_;
+  /// From where tf says that flange and camera are to where they are.
+  Eigen::Isometry3d T_flange_true_ = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_camera_true_ = Eigen::Isometry3d::Identity();
   image_transport::ImageTransport images_;
   image_transport::CameraPublisher camera_;
   ros::Publisher truth_;

@@ -17,14 +17,17 @@ class Cycles(unittest.TestCase):
     def setUpClass(cls):
         cls.truth = cycle_statistics.Truth()
         cls.robot = pick_program.Robot()
-        cls.locator = pick_program.Locator(rospy.get_param("~part"))
+        cls.views = rospy.get_param("~views")
+        cls.locator = pick_program.Locator(rospy.get_param("~part"), cls.views)
 
     def test_picks_part_after_part(self):
         cycles = rospy.get_param("~cycles")
         tally = cycle_statistics.Tally()
         before = None
         for _ in range(cycles):
-            tally.add(pick_program.run_cycle(self.robot, self.locator), self.truth)
+            cycle = pick_program.run_cycle(self.robot, self.locator)
+            tally.add(cycle, self.truth)
+            self.assertTrue(all(a.part.views == self.views for a in cycle.attempts))
             before = before or len(self.truth.latest.parts) + 1
         result = tally.result()
         print(result)

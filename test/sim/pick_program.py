@@ -4,7 +4,9 @@
 """The loop of a robot program: locate, go there, suck, report, next. Copy it and go on from here; what
 your cell has in place of move_robot and gripper/suction goes into the class Robot.
 
-    rosrun planar_bin_picking pick_program.py [_part:=bracket] [_cycles:=20]
+    rosrun planar_bin_picking pick_program.py [_part:=bracket] [_cycles:=20] [_views:=2]
+
+With views:=2 it looks at each part once more before it goes there, from where the locator proposes.
 """
 import copy
 import sys
@@ -13,7 +15,9 @@ import numpy
 import rospy
 import tf2_ros
 from geometry_msgs.msg import PoseStamped
-from planar_bin_picking.srv import (LocatePart, LocatePartResponse, MoveRobot, ReportPick,
+from planar_bin_picking.msg import PartLook
+from planar_bin_picking.srv import (LocatePart, LocatePartResponse, MoveRobot, NextView,
+                                    NextViewResponse, RefinePart, RefinePartResponse, ReportPick,
                                     ReportPickResponse)
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import Marker
@@ -83,6 +87,11 @@ class Robot:
         if not response.success:
             raise RuntimeError("robot: " + response.message)
 
+    def move_camera(self, T_base_camera):
+        """Of a camera on the arm."""
+        T_flange_camera = self.lookup("flange", "camera")
+        self.move_flange(T_base_camera @ numpy.linalg.inv(T_flange_camera))
+
     def move_tool(self, T_base_tool):
         self.move_flange(T_base_tool @ numpy.linalg.inv(self.T_flange_tool))
 
@@ -101,15 +110,36 @@ class Robot:
 
 
 class Locator:
-    def __init__(self, part):
+    def __init__(self, part, views=1):
         self.part = part
-        for name in ("locator/locate_part", "locator/report_pick"):
+        self.views = views  # pictures of a part before the robot goes to it
+        for name in ("locator/locate_part", "locator/report_pick", "locator/refine_part",
+                     "locator/next_view"):
             rospy.wait_for_service(name, WAIT)
+        self.refine_part = rospy.ServiceProxy("locator/refine_part", RefinePart)
+        self.next_view = rospy.ServiceProxy("locator/next_view", NextView)
         self.locate_part = rospy.ServiceProxy("locator/locate_part", LocatePart)
         self.report_pick = rospy.ServiceProxy("locator/report_pick", ReportPick)
 
     def locate(self):
         return self.locate_part(part=self.part, timeout=rospy.Duration(20.0))
+
+    def look_again(self, robot, part):
+        """The part as all views together have it; None where it is not there, or elsewhere now."""
+        while part is not None and part.views < self.views:
+            proposed = self.next_view(stamp=part.header.stamp, child_frame=part.child_frame)
+            if proposed.status != NextViewResponse.OK:
+                return part  # a robot that has to be sure would pass the part over
+            robot.move_camera(matrix(proposed.camera.pose))
+            answer = self.refine_part(stamp=part.header.stamp, child_frame=part.child_frame,
+                                      timeout=rospy.Duration(20.0))
+            if answer.status == RefinePartResponse.OK:
+                part = answer.parts[0]
+            elif answer.looks and answer.looks[0].look == PartLook.NOT_SEEN:
+                return part
+            else:
+                part = None
+        return part
 
     def report(self, part, success):
         """The next part to go to out of the same image, or None."""
@@ -156,6 +186,10 @@ def run_cycle(robot, locator):
             raise RuntimeError("locator: " + answer.message)
         part = answer.parts[0] if answer.parts else None
         while part is not None:
+            part = locator.look_again(robot, part)
+            if part is None:
+                robot.move_flange(robot.T_base_home)  # and locate again
+                break
             cycle.attempts.append(Attempt(robot, part))
             part = locator.report(part, cycle.attempts[-1].success())
     return cycle
@@ -181,7 +215,8 @@ class TallyDisplay:
 def main():
     rospy.init_node("pick_program")
     display = TallyDisplay()
-    robot, locator = Robot(), Locator(rospy.get_param("~part", "bracket"))
+    robot = Robot()
+    locator = Locator(rospy.get_param("~part", "bracket"), rospy.get_param("~views", 1))
     refill = rospy.ServiceProxy("cell/refill", Trigger)  # in the demo, somebody brings a new bin
     cycles = rospy.get_param("~cycles", 0)  # 0 = for ever
     first = later = none = 0

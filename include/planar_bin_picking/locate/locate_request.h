@@ -39,8 +39,9 @@ struct LocateRequest {
 
 /// Why something that was found is no detection.
 enum class Withheld {
-  kOutside,    ///< outside of the distances, or so far that the part has too few pixels
-  kWrongFace,  ///< the other face is up than the request asks for
+  kOutside,       ///< outside of the distances, or so far that the part has too few pixels
+  kWrongFace,     ///< the other face is up than the request asks for
+  kContradicted,  ///< another view shows that it is not there; never by the locator itself
 };
 
 struct WithheldDetection {

@@ -23,6 +23,10 @@ struct PickParams {
   double score_min = 0.0;      ///< parts below are refused, over and above the score's threshold
   double visible_min = 0.0;    ///< share of the visible face
   double tilt_max_deg = 90.0;  ///< of the face against the bin's floor, or against the image plane
+  /// Standard deviations of a pose that is offered; 0 = whatever they are. One more look lowers
+  /// them.
+  double depth_sigma_max = 0.0;  ///< metres, along the line of sight
+  double tilt_sigma_max = 0.0;   ///< rad, about the worst axis in the face
   /// Of the tool, where the part's file names no other: metres; 0 = neither walls nor what covers
   /// the part are looked at.
   double tool_radius = 0.0;
@@ -39,6 +43,8 @@ struct PickParams {
     visit("score_min", self.score_min, 0.0, 1.0);
     visit("visible_min", self.visible_min, 0.0, 1.0);
     visit("tilt_max_deg", self.tilt_max_deg, 0.0, 90.0);
+    visit("depth_sigma_max", self.depth_sigma_max, 0.0, 1.0);
+    visit("tilt_sigma_max", self.tilt_sigma_max, 0.0, 1.0);
     visit("tool_radius", self.tool_radius, 0.0, 1.0);
     visit("tool_height", self.tool_height, 0.0, 10.0);
     visit("wall_clearance", self.wall_clearance, 0.0, 1.0);
@@ -63,6 +69,8 @@ enum class PickRefusal {
   kOutside,         ///< outside of the asked distances or of the bin's box
   kNoPickPose,      ///< its file has pick poses, none of them for the face that is up
   kWrongFace,       ///< the other face is up than was asked for
+  kNeedsView,       ///< less sure than depth_sigma_max or tilt_sigma_max asks for
+  kContradicted,    ///< a second camera shows that it is not there
   kBeyondMaxParts,  ///< would be offered, but for the number that was asked for
 };
 
@@ -90,6 +98,7 @@ struct PickCandidate {
   std::string withheld_text;  ///< the numbers behind it
   double score = 0.0, visible_fraction = 0.0;
   double tilt_deg = 0.0;
+  double depth_sigma = 0.0, tilt_sigma = 0.0;  ///< as in PickParams
   /// Origin = contact, z = stroke of the tool, into the part. May be empty: nothing to check.
   std::vector<Eigen::Isometry3d> T_target_pick;
   /// Where its file has pick poses and none fits the face that is up: which there are; else "".
@@ -169,6 +178,10 @@ class PickPolicy {
   PickParams params_;
   std::vector<Failure> failures_;
 };
+
+/// Of the face's normal, about the worst axis in the face, rad.
+/// @param covariance  as RefinedPose::covariance
+double tiltSigma(const Matrix6d& covariance);
 
 /// What to do when parts were found and none can be offered: each reason's, the most frequent
 /// first.

@@ -64,6 +64,19 @@ bool isCovered(const PickFace& face, const Eigen::Isometry3d& T_target_pick, dou
   });
 }
 
+/// Why it has to be looked at once more, if so.
+std::optional<std::string> unsureOf(const PickCandidate& candidate, const PickParams& params) {
+  if (params.depth_sigma_max > 0.0 && !(candidate.depth_sigma <= params.depth_sigma_max)) {
+    return format("its depth is known to %.2f mm, at most %.2f", 1e3 * candidate.depth_sigma,
+                  1e3 * params.depth_sigma_max);
+  }
+  if (params.tilt_sigma_max > 0.0 && !(candidate.tilt_sigma <= params.tilt_sigma_max)) {
+    return format("its tilt is known to %.4f rad, at most %.4f", candidate.tilt_sigma,
+                  params.tilt_sigma_max);
+  }
+  return std::nullopt;
+}
+
 /// What the matter is with such parts, and what helps.
 const char* remedyFor(PickRefusal reason) {
   switch (reason) {
@@ -88,6 +101,12 @@ const char* remedyFor(PickRefusal reason) {
     case PickRefusal::kWrongFace:
       return "lie with the other face up than asked for: ask for the face ANY, or have them turned "
              "over";
+    case PickRefusal::kNeedsView:
+      return "are not known well enough: look once more (refine_part), or raise "
+             "pick/depth_sigma_max and pick/tilt_sigma_max";
+    case PickRefusal::kContradicted:
+      return "are not where the first camera has them, as the second one shows: check where the "
+             "cameras are said to be";
     case PickRefusal::kBeyondMaxParts:
       return "are more than max_parts asks for";
   }
@@ -200,6 +219,8 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
     return refuse(PickRefusal::kTilt, format("tilted by %.1f degrees, at most %.1f",
                                              candidate.tilt_deg, params_.tilt_max_deg));
   }
+  if (const auto unsure = unsureOf(candidate, params_))
+    return refuse(PickRefusal::kNeedsView, *unsure);
   if (offer.failures >= params_.failures_max) {
     return refuse(PickRefusal::kFailedBefore,
                   format("%d picks failed here, and the scene is as it was", offer.failures));
@@ -245,6 +266,11 @@ void PickPolicy::fail(const PickCandidate& candidate) {
 void PickPolicy::succeed(const PickCandidate& candidate) {
   if (const Failure* const known = find(candidate))
     failures_.erase(failures_.begin() + (known - failures_.data()));
+}
+
+double tiltSigma(const Matrix6d& covariance) {
+  const double a = covariance(3, 3), b = covariance(4, 4), c = covariance(3, 4);
+  return std::sqrt(std::max(0.0, 0.5 * (a + b) + std::hypot(0.5 * (a - b), c)));
 }
 
 std::string deadlockHint(const std::vector<Refused>& refused) {

@@ -55,10 +55,11 @@ std::string ago(const SteadyTime then) {
 
 }  // namespace
 
-ImageSource::ImageSource(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
+ImageSource::ImageSource(const ros::NodeHandle& nh, const ros::NodeHandle& pnh,
+                         const std::string& name)
     : transport_(nh), pairs_(kPairsKept) {
   // The sibling's name follows from the image's after remapping, as image_transport has it.
-  const std::string topic = nh.resolveName(kImageTopic);
+  const std::string topic = nh.resolveName(name.empty() ? kImageTopic : name);
   pairs_.connectInput(images_, infos_);
   pairs_.registerCallback(
       boost::bind(&ImageInbox::push, &inbox_, boost::placeholders::_1, boost::placeholders::_2));

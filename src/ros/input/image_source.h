@@ -25,7 +25,8 @@ class ImageSource {
  public:
   /// @param nh   its callback queue must be served while calls wait
   /// @param pnh  where `~image_transport` may say how images come, such as `compressed`
-  ImageSource(const ros::NodeHandle& nh, const ros::NodeHandle& pnh);
+  /// @param topic  "" = the camera's own; another one for a second camera
+  ImageSource(const ros::NodeHandle& nh, const ros::NodeHandle& pnh, const std::string& topic = "");
 
   /// @param not_before      oldest stamp; zero = taken and received from now on
   /// @param timeout         wall time

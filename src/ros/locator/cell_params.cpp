@@ -25,11 +25,27 @@ void validateBox(const CellParams& params) {
   }
 }
 
+void validateNextView(const CellParams& params) {
+  const auto& min = params.next_view_min;
+  const auto& max = params.next_view_max;
+  if (min.empty() && max.empty() && params.focus_min == 0.0 && params.focus_max == 0.0) return;
+  require(min.size() == 3 && max.size() == 3 && params.focus_max > 0.0,
+          "set ~cell/next_view_min and ~cell/next_view_max, lists of three numbers, with "
+          "~cell/focus_min and ~cell/focus_max, or none of these");
+  for (std::size_t i = 0; i < 3; ++i) {
+    require(std::isfinite(min[i]) && std::isfinite(max[i]) && min[i] < max[i],
+            "each number in ~cell/next_view_min must be less than the one in ~cell/next_view_max");
+  }
+  require(0.0 < params.focus_min && params.focus_min < params.focus_max,
+          "~cell/focus_min must be greater than 0 and less than ~cell/focus_max");
+}
+
 }  // namespace
 
 void validate(const CellParams& params) {
   require(!params.parts_folder.empty(),
           "~cell/parts_folder is not set: the folder with the drawings");
+  validateNextView(params);
   const bool has_distances = params.distance_min != 0.0 || params.distance_max != 0.0;
   require(has_distances != params.hasBin(),
           "set either ~cell/distance_min and ~cell/distance_max, or ~cell/bin_frame with "

@@ -38,6 +38,17 @@ struct CellParams {
   double image_timeout = 5.0;     ///< s, wall time, for calls that name none
   double tf_timeout = 0.5;  ///< s, wall time: how much later than the image its tf may come in
   double tf_gap_max = kTfGapMax;  ///< s, between the two samples of tf around the image
+  /// The calibrator's hand_eye.yaml: what it expects its error to be goes into poses that rest on
+  /// several views; "" = ~locator/views says it.
+  std::string hand_eye_file;
+  /// Where next_view may send the camera: opposite corners of a box in the target frame, metres;
+  /// how far its optical axis may turn; between which distances the picture is sharp.
+  std::vector<double> next_view_min, next_view_max;
+  double next_view_cone_deg = 35.0;
+  double focus_min = 0.0, focus_max = 0.0;
+  /// A second camera that stands still as the first one does: its images, and its frame where the
+  /// images do not say it. "" = there is none.
+  std::string second_camera_topic, second_camera_frame;
 
   std::string snapshot_folder;  ///< where calls that went wrong are saved; "" = nowhere
   int snapshots_max = 20;       ///< kept there; the oldest go
@@ -70,11 +81,20 @@ struct CellParams {
     visit("snapshots_max", self.snapshots_max, 1, 100000);
     visit("snapshots_mb", self.snapshots_mb, 1.0, 1e7);
     visit("snapshot_failures", self.snapshot_failures, 0, 1000);
+    visit("hand_eye_file", self.hand_eye_file);
+    visit("next_view_min", self.next_view_min);
+    visit("next_view_max", self.next_view_max);
+    visit("next_view_cone_deg", self.next_view_cone_deg, 1.0, 80.0);
+    visit("focus_min", self.focus_min, 0.0, 100.0);
+    visit("focus_max", self.focus_max, 0.0, 100.0);
+    visit("second_camera_topic", self.second_camera_topic);
+    visit("second_camera_frame", self.second_camera_frame);
   }
 };
 
 /// @throws std::invalid_argument  naming the keys: no folder, neither distances nor a bin or both
-///         of them, an empty box, distances that the core's checkDistances refuses
+///         of them, an empty box, distances that the core's checkDistances refuses; limits of
+///         the next view that are not all set, or empty
 void validate(const CellParams& params);
 
 }  // namespace planar_bin_picking_ros

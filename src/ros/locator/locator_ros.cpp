@@ -155,6 +155,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
           {cell_.snapshot_folder, cell_.snapshots_max, cell_.snapshots_mb, cell_.snapshot_failures},
           settings(), call_pnh_),
       health_(source_, parts_, {!cell_.trigger_service.empty(), settings()}, prompt_pnh_),
+      views_(image_nh_, call_pnh_, pnh, locator_.params(), cell_, viewHost()),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_),
       prompt_spinner_(1, &prompt_queue_) {
@@ -173,6 +174,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
 
 LocatorRos::~LocatorRos() {
   source_.close();  // before the spinner, which waits for the calls that are being served
+  views_.close();
   service_.shutdown();
   report_service_.shutdown();
   call_spinner_.stop();
@@ -219,6 +221,7 @@ bool LocatorRos::serveReport(Event<planar_bin_picking::ReportPick>& event) {
 }
 
 Camera LocatorRos::cameraOf(const Frame& frame) const {
+  checkSize(*frame.image);
   if (!camera_) return toCamera(*frame.info, *frame.image);
   const Camera::Model& model = camera_->model();
   const int width = static_cast<int>(frame.image->width);
@@ -233,6 +236,7 @@ Camera LocatorRos::cameraOf(const Frame& frame) const {
 
 void LocatorRos::answer(const std::string& caller, const Request& request, Response& response) {
   Stopwatch watch(response);
+  const ros::Time asked = request.not_before.isZero() ? ros::Time::now() : request.not_before;
   const auto library = parts_.current();
   const std::vector<PartPtr> parts = library->select(request.part, request.parts);
   publisher_.withdraw(parts);  // whatever comes of this call, the former answer no longer holds
@@ -242,8 +246,7 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   watch.lap("wait");
 
   const std_msgs::Header& image = frame.image->header;
-  checkSize(*frame.image);
-  Answer answer{parts, frame, toGrey(frame.image), cameraOf(frame), {}, image, {}};
+  Answer answer{parts, frame, toGrey(frame.image), cameraOf(frame), {}, image, {}, {}};
   watch.lap("convert");
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
@@ -260,28 +263,51 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
     watch.lap("queue");
     answer.result = locator_.locate(answer.grey, answer.camera, locate_request);
   }
-  const planar_bin_picking::Report report = answer.result.report;
-  watch.lap(report.stages);
-
+  watch.lap(answer.result.report.stages);
+  // What one camera's picture says: this alone can be replayed.
   CallRecord record{answer, locate_request, locator_.params(), library, T_target_camera, request,
                     {}};
+  if (views_.lookInSecond(asked, request.timeout, T_target_camera, &answer))
+    watch.lap("second camera");
   planar_bin_picking::FloorCover cover;
   if (frames.bin) {
     cover = lookIntoBin(cell_, (frames.bin->T_bin_target * T_target_camera).inverse(), answer);
     watch.lap("floor");
   }
-  const auto publish = [this](Answer sorted) {
-    return publisher_.publish(std::move(sorted))->located;
-  };
-  auto offered = picks_.offer(std::move(answer), frames, {caller, request.max_parts}, publish);
+  const Answer seen = answer;
+  auto offered = offer(std::move(answer), frames, {caller, request.max_parts});
+  views_.keep(seen, offered, frames);
   watch.lap("publish");
   response.parts = std::move(offered.parts);
   response.refused = std::move(offered.refused);
-  conclude({locate_request, report, locator_.params().score.threshold, offered.hint, cell_, cover},
+  conclude({locate_request, seen.result.report, locator_.params().score.threshold, offered.hint,
+            cell_, cover},
            &response);
   if (!unsuitable.empty()) response.message += "; not looked for: " + unsuitable;
   record.answered = response;
   snapshots_.note(std::move(record));
+}
+
+PickKeeper::Offered LocatorRos::offer(Answer answer, const PickKeeper::Frames& frames,
+                                      const PickKeeper::Call& call) {
+  return picks_.offer(std::move(answer), frames, call, [this](Answer sorted) {
+    return publisher_.publish(std::move(sorted))->located;
+  });
+}
+
+ViewServices::Host LocatorRos::viewHost() {
+  const auto await = [this](const ros::Time& not_before, const ros::Duration& timeout) {
+    Request request;
+    request.not_before = not_before;
+    request.timeout = timeout;
+    return awaitFrame(request);
+  };
+  const auto offer_all = [this](Answer answer, const auto& T_target_camera, const auto& caller) {
+    const auto frames = pickFrames(answer.header, T_target_camera);
+    return offer(std::move(answer), frames, {caller, 0});
+  };
+  return {await, [this](const auto& frame) { return cameraOf(frame); },
+          [this](const auto&... args) { return transform(args...); }, offer_all, &locate_mutex_};
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {

@@ -16,6 +16,7 @@
 #include "locator/parts/part_services.h"
 #include "locator/pick_keeper.h"
 #include "locator/snapshot/snapshot_keeper.h"
+#include "locator/view_services.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "shared/transform_listener.h"
 
@@ -54,6 +55,9 @@ class LocatorRos {
   /// All parameters in force, a line each.
   std::string settings() const;
 
+  PickKeeper::Offered offer(Answer answer, const PickKeeper::Frames& frames,
+                            const PickKeeper::Call& call);
+  ViewServices::Host viewHost();
   Frame awaitFrame(const Request& request);
   /// As the file says, where there is one, or else as its camera_info. @throws Refusal
   planar_bin_picking::Camera cameraOf(const Frame& frame) const;
@@ -82,6 +86,7 @@ class LocatorRos {
   SnapshotKeeper snapshots_;
   Health health_;
   std::mutex locate_mutex_;
+  ViewServices views_;
   ros::ServiceServer service_, report_service_;
   ros::AsyncSpinner image_spinner_, call_spinner_, prompt_spinner_;
 };

@@ -82,22 +82,34 @@ Entry entryOf(const Answer& answer, const PickScene& scene, const Detection& det
   for (const auto& pick : located.picks) candidate.T_target_pick.push_back(fromMsg(pick.pose));
   candidate.other_picks = otherPicks(part, located);
   candidate.tool = part.file().tool;
+  const Eigen::Vector3d ray = (detection.T_camera_part * center).normalized();
+  const Eigen::Matrix3d R_camera_part = detection.T_camera_part.linear();
+  const Eigen::Matrix3d place =
+      R_camera_part * detection.covariance.topLeftCorner<3, 3>() * R_camera_part.transpose();
+  candidate.depth_sigma = std::sqrt(std::max(0.0, ray.dot(place * ray)));
+  candidate.tilt_sigma = planar_bin_picking::tiltSigma(detection.covariance);
   constexpr double kAround = 1.2;  // radii
-  candidate.surroundings = planar_bin_picking::cutSurroundings(scene, detection.T_camera_part,
-                                                               center, kAround * part.radius());
+  const Eigen::Isometry3d T_scene_part =
+      answer.first ? answer.first->T_this_now * detection.T_camera_part : detection.T_camera_part;
+  candidate.surroundings =
+      planar_bin_picking::cutSurroundings(scene, T_scene_part, center, kAround * part.radius());
   return entry;
 }
 
 /// All that was found; what the locator itself withheld says so.
 std::vector<Entry> entriesOf(const Answer& answer, const PickKeeper::Frames& frames) {
-  const PickScene scene{answer.grey, planar_bin_picking::bitsInUse(answer.grey), answer.camera};
+  const cv::Mat& grey = answer.first ? answer.first->grey : answer.grey;
+  const PickScene scene{grey, planar_bin_picking::bitsInUse(grey),
+                        answer.first ? answer.first->camera : answer.camera};
   std::vector<Entry> entries;
   for (const Detection& detection : answer.result.detections)
     entries.push_back(entryOf(answer, scene, detection, frames));
   for (const auto& withheld : answer.result.withheld) {
     entries.push_back(entryOf(answer, scene, withheld.detection, frames));
     entries.back().candidate.withheld =
-        withheld.reason == Withheld::kOutside ? PickRefusal::kOutside : PickRefusal::kWrongFace;
+        withheld.reason == Withheld::kOutside     ? PickRefusal::kOutside
+        : withheld.reason == Withheld::kWrongFace ? PickRefusal::kWrongFace
+                                                  : PickRefusal::kContradicted;
     entries.back().candidate.withheld_text = withheld.text;
   }
   return entries;
@@ -121,6 +133,10 @@ std::uint8_t reasonOf(const PickRefusal reason) {
       return RefusedPart::NO_PICK_POSE;
     case PickRefusal::kWrongFace:
       return RefusedPart::WRONG_FACE;
+    case PickRefusal::kNeedsView:
+      return RefusedPart::NEEDS_VIEW;
+    case PickRefusal::kContradicted:
+      return RefusedPart::CONTRADICTED;
     case PickRefusal::kBeyondMaxParts:
       break;
   }
@@ -145,6 +161,8 @@ PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const
     refused.text = entry.text;
     refused.located = entries[entry.candidate].located;
     offered.refused.push_back(refused);
+    if (entry.reason == PickRefusal::kNeedsView)
+      offered.needs_view.push_back(entries[entry.candidate].detection);
   }
   answer.located.clear();
   answer.result.detections.clear();
@@ -155,6 +173,7 @@ PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const
     for (const std::size_t k : offer.picks)
       answer.located.back().picks.push_back(entry.located.picks[k]);
     answer.result.detections.push_back(entry.detection);
+    offered.detections.push_back(entry.detection);
   }
   Open open{call.caller, answer.frame.received, {}};
   const std::vector<planar_bin_picking::PartPtr> asked_for = answer.parts;

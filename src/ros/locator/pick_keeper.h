@@ -54,7 +54,9 @@ class PickKeeper {
   struct Offered {
     std::vector<planar_bin_picking::LocatedPart> parts;
     std::vector<planar_bin_picking::RefusedPart> refused;
-    std::string hint;  ///< what to do where all were refused
+    std::string hint;                                       ///< what to do where all were refused
+    std::vector<planar_bin_picking::Detection> detections;  ///< of `parts`
+    std::vector<planar_bin_picking::Detection> needs_view;  ///< of those refused for that
   };
 
   /// Turns the result's detections into located parts in the order in which the policy offers them,

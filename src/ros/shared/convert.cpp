@@ -86,6 +86,7 @@ LocatedPart toMsg(const Detection& detection, const PartModel& part,
       covariance;
   message.score = detection.score;
   message.visible_fraction = detection.visible_fraction;
+  message.views = static_cast<std::uint32_t>(detection.views);
   for (const auto& pick : part.pickPoses()) {
     if (!fits(pick, detection.face)) continue;
     message.picks.emplace_back();

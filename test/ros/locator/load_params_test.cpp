@@ -147,5 +147,37 @@ TEST(LoadCellParams, RefusesByName) {
   EXPECT_TRUE(refuses([] { loadCellParams(emptyTree()); }, {"parts_folder"}));
 }
 
+TEST(LoadCellParams, TakesTheLimitsOfTheNextView) {
+  XmlRpcValue tree = cellTree();
+  tree["next_view_min"] = list({-0.5, -0.5, 0.4});
+  const auto refused = [&](const std::string& word) {
+    return refuses([&] { loadCellParams(tree); }, {"~cell", word});
+  };
+  EXPECT_TRUE(refused("next_view_max"));
+  tree["next_view_max"] = list({0.5, 0.5, 0.4});
+  tree["focus_min"] = 0.5;
+  tree["focus_max"] = 0.9;
+  EXPECT_TRUE(refused("less than"));
+  tree["next_view_max"] = list({0.5, 0.5, 1.0});
+  tree["next_view_cone_deg"] = 20.0;
+  const CellParams cell = loadCellParams(tree);
+  EXPECT_EQ(cell.next_view_max, (std::vector<double>{0.5, 0.5, 1.0}));
+  EXPECT_EQ(cell.next_view_cone_deg, 20.0);
+  EXPECT_EQ(cell.focus_max, 0.9);
+  tree["focus_min"] = 0.9;
+  EXPECT_TRUE(refused("focus_min"));
+}
+
+TEST(LoadCellParams, TakesTheOtherCameraAndTheHandEyeFile) {
+  XmlRpcValue tree = cellTree();
+  tree["second_camera_topic"] = "second/image_raw";
+  tree["second_camera_frame"] = "second_camera";
+  tree["hand_eye_file"] = "hand_eye.yaml";
+  const CellParams cell = loadCellParams(tree);
+  EXPECT_EQ(cell.second_camera_topic, "second/image_raw");
+  EXPECT_EQ(cell.second_camera_frame, "second_camera");
+  EXPECT_EQ(cell.hand_eye_file, "hand_eye.yaml");
+}
+
 }  // namespace
 }  // namespace planar_bin_picking_ros

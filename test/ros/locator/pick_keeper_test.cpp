@@ -202,6 +202,18 @@ TEST(PickKeeper, OffersAFailedInstanceLastUntilTheSceneHasChanged) {
   EXPECT_NEAR(sent.offered.parts[0].pose.pose.position.x, 0.0, 1e-9);
 }
 
+// The surroundings look different from elsewhere, which must not pass for a change of the scene.
+TEST(PickKeeper, RemembersAFailureByTheFirstPicture) {
+  PickKeeper keeper{PickParams()};
+  const Answer home = answerWith({lying(0, 0), lying(0.15, 0)}, 2.0);
+  Answer refined = answerWith({lying(0, 0), lying(0.15, 0)}, 1.0, 200);
+  refined.first = FirstPicture{home.grey, home.camera, Eigen::Isometry3d::Identity()};
+  offer(&keeper, refined);
+  report(&keeper, 1.0, "hinge_1", false);
+  const Sent sent = offer(&keeper, home);
+  EXPECT_NEAR(sent.offered.parts[0].pose.pose.position.x, 0.15, 1e-9);
+}
+
 TEST(PickKeeper, SeesChangesInTwelveBits) {
   PickKeeper keeper{PickParams()};
   const auto deep = [](Answer answer) {

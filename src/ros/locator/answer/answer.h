@@ -13,9 +13,17 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace planar_bin_picking_ros {
+
+/// The picture in which parts were located that have been looked at again since.
+struct FirstPicture {
+  cv::Mat grey;
+  planar_bin_picking::Camera camera;
+  Eigen::Isometry3d T_this_now;  ///< from the camera of the answer's own picture
+};
 
 struct Answer {
   std::vector<planar_bin_picking::PartPtr> parts;  ///< that were looked for
@@ -25,6 +33,8 @@ struct Answer {
   planar_bin_picking::LocateResult result;
   std_msgs::Header header;                               ///< stamp of the image, target frame
   std::vector<planar_bin_picking::LocatedPart> located;  ///< best first
+  /// Failed picks are remembered by it: the surroundings look different from elsewhere.
+  std::optional<FirstPicture> first = {};
 };
 
 }  // namespace planar_bin_picking_ros

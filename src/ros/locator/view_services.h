@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// RefinePart and NextView, and the second camera of a cell that has two: everything that takes
+/// more than one picture.
+
+#include "input/image_source.h"
+#include "locator/cell_params.h"
+#include "locator/pick_keeper.h"
+#include "locator/views/view_keeper.h"
+#include "planar_bin_picking/locate/params.h"
+#include "planar_bin_picking/views/look.h"
+
+#include <planar_bin_picking/LocatePart.h>
+#include <planar_bin_picking/NextView.h>
+#include <planar_bin_picking/RefinePart.h>
+#include <ros/node_handle.h>
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking_ros {
+
+class ViewServices {
+ public:
+  /// What it needs of the locator.
+  struct Host {
+    std::function<Frame(const ros::Time& not_before, const ros::Duration& timeout)> await;
+    std::function<planar_bin_picking::Camera(const Frame& frame)> camera_of;
+    std::function<Eigen::Isometry3d(const std::string& target, const std::string& source,
+                                    const ros::Time& stamp)>
+        transform;
+    /// Takes an answer through the pick policy and publishes what is left.
+    std::function<PickKeeper::Offered(Answer answer, const Eigen::Isometry3d& T_target_camera,
+                                      const std::string& caller)>
+        offer;
+    std::mutex* locate_mutex;
+  };
+
+  /// @param image_nh  its queue takes in images
+  /// @param call_nh   its queue serves calls
+  /// @throws std::exception  the hand-eye file, or a parameter, is wrong: which one and why
+  ViewServices(const ros::NodeHandle& image_nh, const ros::NodeHandle& call_nh,
+               const ros::NodeHandle& pnh, const planar_bin_picking::LocatorParams& params,
+               const CellParams& cell, Host host);
+
+  void close();  ///< ends waiting and serving
+
+  /// An answer was given, whose parts may be looked at again.
+  void keep(const Answer& answer, const PickKeeper::Offered& offered,
+            const PickKeeper::Frames& frames);
+
+  /// Where there is a second camera, what the first has found is confirmed and refined in both.
+  /// @return  whether there is one
+  /// @throws Refusal
+  bool lookInSecond(const ros::Time& not_before, const ros::Duration& timeout,
+                    const Eigen::Isometry3d& T_target_camera, Answer* answer);
+
+ private:
+  template <class Service>
+  using Event = ros::ServiceEvent<typename Service::Request, typename Service::Response>;
+  using RefinePart = planar_bin_picking::RefinePart;
+  using NextView = planar_bin_picking::NextView;
+  struct Looks;
+
+  bool serveRefine(Event<RefinePart>& event);
+  bool serveNextView(NextView::Request& request, NextView::Response& response);
+  void refine(const std::string& caller, const RefinePart::Request& request,
+              RefinePart::Response* response);
+  /// Looks at each part in the new picture.
+  Looks lookAt(std::vector<KeptPart> parts, const Answer& now,
+               const Eigen::Isometry3d& T_target_camera) const;
+  /// Through the pick policy, and out to everybody.
+  void offerRefined(const std::string& caller, Answer answer,
+                    const Eigen::Isometry3d& T_target_camera, Looks seen,
+                    RefinePart::Response* response);
+  void conclude(RefinePart::Response* response) const;
+  void propose(const NextView::Request& request, NextView::Response* response);
+
+  const planar_bin_picking::LocatorParams params_;
+  const CellParams cell_;
+  const Host host_;
+  ViewKeeper keeper_;
+  std::unique_ptr<ImageSource> second_;
+  ros::ServiceServer refine_service_, next_service_;
+};
+
+}  // namespace planar_bin_picking_ros
