@@ -33,6 +33,9 @@ const Plane kPlane{Eigen::Vector3d(0.1, -0.05, -1.0).normalized(), 0.62};
 TEST(FlatFace, TheJacobianIsTheDerivative) {
   const Eigen::Isometry3d T = facing(8.0, -12.0);
   const auto prior = flatOn(kPlane, T, 0.004, {1.0, 1.0, 1.0});
+  const Eigen::Vector3d variances(1.0, 4.0, 9.0);
+  const Eigen::Matrix3d covariance = variances.asDiagonal();
+  EXPECT_EQ(flatOn(kPlane, T, 0.004, variances).covariance, covariance);
   constexpr double kStep = 1e-6;
   for (int k = 0; k < 6; ++k) {
     Vector6d xi = Vector6d::Zero();
