@@ -43,6 +43,7 @@ COMMANDS = {
     "next": r"rosservice call /calibrator/next$",
     "status": r"rostopic echo /calibrator/status$",
     "calibrate_samples": r"rosrun planar_bin_picking calibrate_samples ",
+    "draw_board": r"rosrun planar_bin_picking draw_board ",
     "play_scene": r"rosrun planar_bin_picking play_scene\.py ",
 }
 
@@ -282,6 +283,8 @@ class Installed(unittest.TestCase):
         board_pictures.write(self.root)
         with self.session() as session:
             self.assertIn("GOOD", session.run(command("calibrate_samples")))
+            self.assertIn("written to", session.run(command("draw_board")))
+        self.assertTrue((self.root / "board.pdf").read_bytes().startswith(b"%PDF"))
         camera = yaml.safe_load((self.root / "out/camera_info.yaml").read_text())
         self.assertAlmostEqual(camera["camera_matrix"]["data"][0], board_pictures.FOCAL, delta=5)
 

@@ -83,6 +83,7 @@ class CalibrationCell {
     world_.unreachable = pnh.param("unreachable", 0.0);
     world_.cell.robot_mm = pnh.param("robot_mm", 0.0);
     world_.cell.robot_deg = pnh.param("robot_deg", 0.0);
+    if (pnh.param("markers", false)) sim::giveMarkers(&world_.cell);
     at_ = said_ = world_.T_base_start;
     images_ = nh.advertise<sensor_msgs::Image>("camera/image_raw", 1);
     infos_ = nh.advertise<sensor_msgs::CameraInfo>("camera/camera_info", 1);

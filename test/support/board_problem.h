@@ -4,32 +4,18 @@
 
 /// The simulated cell's observations as the solver takes them.
 
-#include "calibrate/board/markers.h"
 #include "planar_bin_picking/calibrate/hand_eye/hand_eye.h"
-#include "sim/board_cell.h"
+#include "sim/markers.h"
 
 namespace planar_bin_picking {
-
-/// Of the markers of a cell's board.
-inline constexpr char kDictionary[] = "DICT_4X4_100";
 
 inline Board boardOf(const sim::BoardCell& cell) {
   Board board{cell.cols, cell.rows, cell.square};
   if (cell.markers.empty()) return board;
   board.kind = Board::Kind::kCharuco;
   board.marker = cell.marker;
-  board.dictionary = kDictionary;
+  board.dictionary = sim::kDictionary;
   return board;
-}
-
-/// Makes the cell's board one with markers.
-inline void giveMarkers(sim::BoardCell* cell) {
-  cell->marker = 0.75 * cell->square;
-  Board board{cell->cols, cell->rows, cell->square};
-  board.kind = Board::Kind::kCharuco;
-  board.dictionary = kDictionary;
-  const int count = (cell->cols + 1) * (cell->rows + 1) / 2;
-  for (int i = 0; i < count; ++i) cell->markers.push_back(markerModules(board, i));
 }
 
 inline HandEyeProblem emptyProblem(const sim::BoardCell& cell) {

@@ -5,7 +5,7 @@
 
 #include "planar_bin_picking/calibrate/calibration_file.h"
 #include "planar_bin_picking/image/camera_file.h"
-#include "sim/board_cell.h"
+#include "sim/markers.h"
 #include "support/matchers.h"
 #include "support/temp_dir.h"
 
@@ -30,22 +30,27 @@ class CalibrateSamples : public testing::Test {
     std::mt19937 random(5);
     cell_ = sim::makeCell(true, &random);
     cell_.camera = {1000, 800, 1400.0, 1398.0, 505.0, 396.0, {-0.1, 0.06, -5e-4, 4e-4, 0.0}};
-    std::ostringstream samples;
     std::vector<Eigen::Vector2d> corners;
     for (int i = 0; i < 12;) {
       const auto T_camera_board = sim::randomView(cell_, 0.42, 35.0, 0.5, &random);
       if (!sim::seeCorners(cell_, T_camera_board, &random, &corners)) continue;
-      const std::string name = "view" + std::to_string(i++) + ".png";
-      cv::imwrite(dir_->path(name), sim::takeBoardImage(cell_, T_camera_board, 0.7, 2.0, i));
-      const Eigen::Isometry3d T = cell_.flangeFor(T_camera_board);
-      const Eigen::Quaterniond q(T.linear());
-      samples.precision(12);
-      samples << "- {image: " << name << ", position: [" << T.translation().x() << ", "
-              << T.translation().y() << ", " << T.translation().z() << "], orientation: [" << q.x()
-              << ", " << q.y() << ", " << q.z() << ", " << q.w() << "]}\n";
+      samples_ += take(cell_, T_camera_board, "view" + std::to_string(i++) + ".png");
     }
-    samples_ = samples.str();
     dir_->write("samples.yaml", samples_);
+  }
+  /// Draws a picture. @return  its line in a list of samples
+  static std::string take(const sim::BoardCell& cell, const Eigen::Isometry3d& T_camera_board,
+                          const std::string& name) {
+    cv::imwrite(dir_->path(name),
+                sim::takeBoardImage(cell, T_camera_board, 0.7, 2.0, static_cast<int>(name.size())));
+    const Eigen::Isometry3d T = cell.flangeFor(T_camera_board);
+    const Eigen::Quaterniond q(T.linear());
+    std::ostringstream line;
+    line.precision(12);
+    line << "- {image: " << name << ", position: [" << T.translation().x() << ", "
+         << T.translation().y() << ", " << T.translation().z() << "], orientation: [" << q.x()
+         << ", " << q.y() << ", " << q.z() << ", " << q.w() << "]}\n";
+    return line.str();
   }
   static void TearDownTestSuite() { delete dir_; }
 
@@ -57,12 +62,14 @@ class CalibrateSamples : public testing::Test {
   }
 
   int run(const std::string& board, const std::string& square, const std::string& more) {
-    const std::string error = dir_->path("error.txt");
-    const int status =
-        std::system((std::string(CALIBRATE_SAMPLES) + " --board " + board + " --square " + square +
-                     " --output " + out() + " " + more + " >/dev/null 2>" + error)
-                        .c_str());
+    return runTool(std::string(CALIBRATE_SAMPLES) + " --board " + board + " --square " + square +
+                   " --output " + out() + " " + more);
+  }
+  int runTool(const std::string& command) {
+    const std::string error = dir_->path("error.txt"), said = dir_->path("said.txt");
+    const int status = std::system((command + " >" + said + " 2>" + error).c_str());
     error_ = read(error);
+    said_ = read(said);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
@@ -85,7 +92,7 @@ class CalibrateSamples : public testing::Test {
   static TempDir* dir_;
   static sim::BoardCell cell_;
   static std::string samples_;
-  std::string error_;
+  std::string error_, said_;
 };
 TempDir* CalibrateSamples::dir_ = nullptr;
 sim::BoardCell CalibrateSamples::cell_;
@@ -152,6 +159,92 @@ TEST_F(CalibrateSamples, SaysNothingOnStandardErrorAndWhereItWrote) {
   EXPECT_NE(read(said).find("written to " + out()), std::string::npos) << read(said);
   EXPECT_EQ(run("9x6", "0.04", inHand()), 3);
   EXPECT_EQ(error_, "");
+}
+
+// Each picture shows a part of the board; the board, the note and the trial lenses are in the file.
+TEST_F(CalibrateSamples, TakesPartsOfABoardWithMarkers) {
+  sim::BoardCell cell = cell_;
+  sim::giveMarkers(&cell);
+  std::mt19937 random(9);
+  std::string samples;
+  for (int i = 0; i < 14; ++i) {
+    const auto T_camera_board = sim::randomView(cell, 0.3, 30.0, 0.7, &random);
+    samples += take(cell, T_camera_board, "part" + std::to_string(i) + ".png");
+  }
+  dir_->write("parts.yaml", samples);
+  dir_->write("board.yaml",
+              "kind: charuco\ncorners: 9x6\nsquare: 0.02\nmarker: 0.015\n"
+              "dictionary: DICT_4X4_100\n");
+  const std::string tool = std::string(CALIBRATE_SAMPLES) + " --output " + out() + " ";
+  ASSERT_EQ(runTool(tool + "--board-file " + dir_->path("board.yaml") + " " + inHand("parts.yaml")),
+            0)
+      << error_ << said_;
+  const YAML::Node root = YAML::LoadFile(out() + "/calibration.yaml");
+  EXPECT_EQ(root["board_kind"].as<std::string>(), "charuco");
+  EXPECT_GE(root["views_used"].as<int>(), 12);
+  int parts = 0;
+  for (const YAML::Node& view : root["views"]) {
+    if (view["used"].as<bool>()) parts += view["corners"].as<int>() < 54 ? 1 : 0;
+  }
+  EXPECT_GT(parts, 5);
+  EXPECT_EQ(root["lens_trials"][0]["coefficients"].as<int>(), 5);
+  EXPECT_GT(root["with_robot_mm"].as<double>(), root["expected_error_mm"].as<double>());
+  const HandEyeFile file = loadHandEye(out() + "/hand_eye.yaml");
+  EXPECT_TRUE(isometryNear(file.T_parent_child, cell.T_mount_camera, 6e-4, 0.06 * sim::kDegree));
+  const std::string report = read(out() + "/report.html");
+  for (const std::string& word :
+       {std::string("Uncertainty map"), std::string("limit 1 mm (tolerance_mm)"),
+        std::string("with the robot&#39;s noise"), "src='" + dir_->path("part0.png")}) {
+    EXPECT_NE(report.find(word), std::string::npos) << word;
+  }
+  EXPECT_TRUE(refused(runTool(tool + inHand()), {"--board-file", "--square"}));
+  EXPECT_TRUE(refused(runTool(tool + "--board 9x6 --square 0.02 --board-z up " + inHand()),
+                      {"--board-z", "up", "number"}));
+}
+
+TEST_F(CalibrateSamples, ARobotOfFourAxesNeedsTheBoardsHeight) {
+  Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
+  T_camera_board.translation() = Eigen::Vector3d(0.0, 0.0, 0.42) - cell_.centre();
+  const Eigen::Isometry3d start = cell_.flangeFor(T_camera_board);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  std::string samples;
+  std::vector<Eigen::Vector2d> corners;
+  for (int i = 0; i < 12;) {
+    Eigen::Isometry3d T = start;
+    T.linear() = Eigen::AngleAxisd(1.5 * any(random), Eigen::Vector3d::UnitZ()) * start.linear();
+    T.translation() += 0.08 * Eigen::Vector3d(any(random), any(random), 0.5 * any(random));
+    if (!sim::seeCorners(cell_, cell_.cameraBoard(T), &random, &corners)) continue;
+    samples += take(cell_, cell_.cameraBoard(T), "upright" + std::to_string(i++) + ".png");
+  }
+  dir_->write("upright.yaml", samples);
+  EXPECT_EQ(run("9x6", "0.02", inHand("upright.yaml")), 3) << said_;
+  EXPECT_NE(said_.find("4-axis robot"), std::string::npos) << said_;
+  EXPECT_NE(said_.find("board_z"), std::string::npos) << said_;
+  const double z = (cell_.T_other_board * cell_.centre()).z();
+  ASSERT_EQ(run("9x6", "0.02", inHand("upright.yaml") + " --board-z " + std::to_string(z)), 0)
+      << said_;
+  EXPECT_NE(said_.find("note: 4-axis robot"), std::string::npos) << said_;
+  const HandEyeFile file = loadHandEye(out() + "/hand_eye.yaml");
+  EXPECT_TRUE(isometryNear(file.T_parent_child, cell_.T_mount_camera, 4e-3, 0.4 * sim::kDegree));
+  EXPECT_NE(read(out() + "/hand_eye.yaml").find("height is not from the pictures"),
+            std::string::npos);
+}
+
+TEST_F(CalibrateSamples, TheirBoardIsDrawnToPrint) {
+  const std::string pdf = dir_->path("board.pdf");
+  const std::string tool = std::string(DRAW_BOARD) + " --output " + pdf;
+  EXPECT_EQ(runTool(tool + " --board-file " PACKAGE_DIR "/config/board.yaml"), 0) << error_;
+  EXPECT_NE(said_.find("written to " + pdf), std::string::npos) << said_;
+  EXPECT_EQ(read(pdf).substr(0, 8), "%PDF-1.4");
+  EXPECT_NE(read(pdf).find("DICT_4X4_50"), std::string::npos);
+  EXPECT_EQ(runTool(tool + " --board 9x6 --square 0.02"), 0) << error_;
+  EXPECT_NE(read(pdf).find("checkerboard, 9x6"), std::string::npos);
+  EXPECT_TRUE(refused(runTool(tool), {"--board-file"}));
+  EXPECT_TRUE(refused(runTool(tool + " --board 9x6"), {"--square"}));
+  dir_->write("bad.yaml", "kind: charuco\ncorners: 9x6\nsquare: 0.02\n");
+  EXPECT_TRUE(
+      refused(runTool(tool + " --board-file " + dir_->path("bad.yaml")), {"bad.yaml", "marker"}));
 }
 
 TEST_F(CalibrateSamples, RefusesBadInputInOneLine) {

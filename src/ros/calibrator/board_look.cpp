@@ -59,7 +59,7 @@ Look BoardLook::take() const {
 Look BoardLook::takeWithBoard() const {
   Look look = take();
   if (look.board.status != BoardObservation::Status::kFound) {
-    throw std::runtime_error(whyNoBoard(look.board, look.image, board_));
+    throw std::runtime_error("at the start: " + whyNoBoard(look.board, look.image, board_));
   }
   return look;
 }

@@ -114,12 +114,17 @@ void CalibrationDrive::visit(const Eigen::Isometry3d& T_base_target) {
     ROS_WARN_STREAM((seen.board.status == BoardObservation::Status::kBlurred ? "board blurred"
                                                                              : "board not seen")
                     << " from [" << T_base_target.translation().transpose() << "]");
+    lost_ = seen;
     run_.lost();
     return;
   }
   const bool is_known = run_.isKnown(seen.T_base_flange);
   run_.seen({is_known ? "" : listener_.keep(seen), seen.T_base_flange, seen.board.corners,
              seen.board.ids});
+}
+
+std::string CalibrationDrive::whyLost() const {
+  return lost_ ? whyNoBoard(lost_->board, lost_->image, board_.board()) : "";
 }
 
 std::string CalibrationDrive::goBack() {

@@ -40,6 +40,8 @@ class CalibrationDrive {
   std::string drive();
 
   const planar_bin_picking::CalibrationRun& run() const { return run_; }
+  /// Of the last picture without the board; "" where all show it. Takes seconds.
+  std::string whyLost() const;
 
  private:
   void visit(const Eigen::Isometry3d& T_base_target);
@@ -60,6 +62,7 @@ class CalibrationDrive {
   planar_bin_picking::CalibrationRun run_;
   Eigen::Isometry3d T_base_here_;  // as the robot says
   bool is_confirmed_ = false;      // the first large move
+  std::optional<Look> lost_;       // the last picture without the board
 };
 
 }  // namespace planar_bin_picking_ros

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/calibrator_checks.h"
 
+#include "planar_bin_picking/calibrate/board/missing_board.h"
+
 #include <sstream>
 #include <stdexcept>
 
@@ -49,19 +51,12 @@ void checkNear(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other,
 std::string whyNoBoard(const BoardObservation& seen, const cv::Mat& image,
                        const planar_bin_picking::Board& board) {
   if (seen.status == BoardObservation::Status::kBlurred) {
-    return "the board is blurred at the start; focus the camera, light the board";
+    return "the board is blurred; focus the camera, light the board";
   }
-  const std::string wanted = std::to_string(board.cols) + "x" + std::to_string(board.rows);
-  const std::string other = planar_bin_picking::findOtherBoard({image}, board);
-  if (other.empty()) {
-    return "the start shows no board of " + wanted +
-           " inner corners; bring it into view, light it, count its inner corners";
-  }
-  return "the start shows a board of " + other + " inner corners, not of " + wanted +
-         "; set board to " + other;
+  return planar_bin_picking::whyBoardIsMissing({image}, board);
 }
 
-void explain(const CalibrationRun& run, HandEyeResult* result) {
+void explain(const CalibrationRun& run, const std::string& why_lost, HandEyeResult* result) {
   using State = planar_bin_picking::PlannedPose::State;
   int refused = 0, lost = 0;
   for (const auto& pose : run.poses()) {
@@ -74,8 +69,8 @@ void explain(const CalibrationRun& run, HandEyeResult* result) {
                               "; start elsewhere, or correct the workspace");
   }
   if (lost > 0) {
-    result->reasons.push_back("no sharp board was seen from " + std::to_string(lost) + of +
-                              "; has it been moved or covered, is there light?");
+    result->reasons.push_back("no sharp board was seen from " + std::to_string(lost) + of + ": " +
+                              why_lost);
   }
   using End = CalibrationRun::End;
   if (run.end() == End::kNoPose) {

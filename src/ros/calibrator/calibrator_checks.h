@@ -25,13 +25,14 @@ void checkSameCamera(const Frame& first, const Frame& other);
 void checkNear(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other,
                const CalibratorParams& params, const std::string& what, const std::string& where);
 
-/// Why no calibration can begin with this picture.
+/// Why this picture shows no board that can be used, and what to do.
 std::string whyNoBoard(const planar_bin_picking::BoardObservation& seen, const cv::Mat& image,
                        const planar_bin_picking::Board& board);
 
 /// Adds to the result what the solver cannot know: poses that gave no picture of the board, and why
 /// there were not more.
-void explain(const planar_bin_picking::CalibrationRun& run,
+/// @param why_lost  of the last picture without the board
+void explain(const planar_bin_picking::CalibrationRun& run, const std::string& why_lost,
              planar_bin_picking::HandEyeResult* result);
 
 }  // namespace planar_bin_picking_ros

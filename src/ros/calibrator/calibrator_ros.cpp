@@ -197,7 +197,7 @@ std::string CalibratorRos::calibrate(bool adds) {
   setStatus("running: solving");
   HandEyeResult result = drive.run().result();
   robot_.checkStop();
-  if (result.verdict != Verdict::kGood) explain(drive.run(), &result);
+  if (result.verdict != Verdict::kGood) explain(drive.run(), drive.whyLost(), &result);
   const std::string status = save(drive.run().problem(), result, samples_.set().camera_frame);
   if (result.verdict != Verdict::kRefused) samples_.close();
   return status + back + samples_.keptText();
@@ -285,8 +285,7 @@ bool CalibratorRos::addSample(Request&, Response& response) {
     response.success = seen.board.status == BoardObservation::Status::kFound;
     if (response.success) samples_.add(seen, board_.problemFor(seen));
     response.message =
-        (response.success ? "taken"
-                          : "no sharp board of " + params_.board + " inner corners in view") +
+        (response.success ? "taken" : whyNoBoard(seen.board, seen.image, board_.board())) +
         std::string("; there are ") + std::to_string(samples_.size()) + " samples; ~finish solves";
   });
 }

@@ -61,6 +61,24 @@ TEST(SampleFolder, LoadsWhatWasSaved) {
   }
 }
 
+TEST(SampleFolder, KeepsPartsOfABoardWithMarkers) {
+  const TempDir dir;
+  const SampleFolder folder(dir.path("out"));
+  SampleSet set = fill(folder, 3);
+  set.problem.board.kind = Board::Kind::kCharuco;
+  set.problem.board.marker = 0.015;
+  set.problem.board.dictionary = "DICT_4X4_50";
+  Observation& part = set.problem.observations.back();
+  part.corners.resize(12);
+  part.ids = {0, 1, 2, 3, 9, 10, 11, 12, 18, 19, 20, 21};
+  folder.add(set, "png");
+  const SampleSet loaded = folder.load();
+  EXPECT_EQ(loaded.problem.board, set.problem.board);
+  EXPECT_EQ(loaded.problem.observations.back().ids, part.ids);
+  EXPECT_EQ(loaded.problem.observations.back().corners.size(), 12u);
+  EXPECT_TRUE(loaded.problem.observations.front().ids.empty());
+}
+
 TEST(SampleFolder, HasWhatTheToolReads) {
   const TempDir dir;
   const SampleSet set = fill(SampleFolder(dir.path("out")), 2);

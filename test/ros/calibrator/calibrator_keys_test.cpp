@@ -291,6 +291,19 @@ TEST_F(SolverKeys, MinViews) {
   EXPECT_TRUE(says(result, "needed are 20"));
 }
 
+TEST_F(SolverKeys, FourAxis) {
+  // These views turn about several axes.
+  const HandEyeResult result = solve({{"solver/four_axis", true}});
+  EXPECT_EQ(result.verdict, Verdict::kRefused);
+  EXPECT_TRUE(says(result, "four_axis is set"));
+  const HandEyeResult higher = solve(
+      {{"solver/four_axis", true}, {"solver/board_z", 0.3}, {"solver/board_z_sigma_mm", 0.01}});
+  ASSERT_TRUE(higher.solved);
+  const Eigen::Vector3d middle = higher.T_other_board * cell_.centre();
+  EXPECT_NEAR(middle.z(), 0.3, 0.05);
+  EXPECT_NE(higher.notes.front().find("0.3 m +- 0.01 mm"), std::string::npos);
+}
+
 TEST_F(SolverKeys, RobotSigma) {
   const HandEyeResult result =
       solve({{"solver/robot_sigma_mm", 0.7}, {"solver/robot_sigma_deg", 0.15}});

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace planar_bin_picking {
 namespace {
@@ -44,10 +45,13 @@ void makeRightHanded(const Board& board, std::vector<cv::Point2f>* corners) {
   }
 }
 
+/// Larger images are made smaller before small boards are looked for.
+constexpr int kFineSearch = 3000;
+
 /// For small boards in large images, which shrinking would lose: the classic detector in tiles of
 /// the size that it searches fast. Half a tile is the largest board that surely lies within one.
 std::vector<cv::Point2f> classicInTiles(const cv::Mat& image, const Board& board) {
-  constexpr int kFineSearch = 3000, kStep = kClassicSearch / 2;
+  constexpr int kStep = kClassicSearch / 2;
   const Shrunk fine(image, kFineSearch);
   const cv::Rect whole(0, 0, fine.image.cols, fine.image.rows);
   for (int y = 0; y == 0 || y + kStep < whole.height; y += kStep) {
@@ -62,6 +66,42 @@ std::vector<cv::Point2f> classicInTiles(const cv::Mat& image, const Board& board
   return {};
 }
 
+/// Standard deviation of the grain, grey levels, from the median of what is left when all that is
+/// smooth is taken off (Immerkaer 1996).
+double grainOf(const cv::Mat& image) {
+  const cv::Mat kernel = (cv::Mat_<float>(3, 3) << 1, -2, 1, -2, 4, -2, 1, -2, 1);
+  constexpr double kGain = 6.0, kMedianOfNormal = 0.6745;
+  cv::Mat left;
+  cv::filter2D(image, left, CV_32F, kernel);
+  std::vector<float> values;
+  constexpr int kStep = 7;  // some pixels are enough
+  for (int y = 0; y < left.rows; y += kStep) {
+    for (int x = 0; x < left.cols; x += kStep) values.push_back(std::abs(left.at<float>(y, x)));
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle / (kGain * kMedianOfNormal);
+}
+
+/// Boards that neither survive smoothing nor shrinking: both detectors in the image as it is, the
+/// classic one where there is no grain to keep it busy.
+std::vector<cv::Point2f> slantedAndSmall(const cv::Mat& image, const Board& board) {
+  const cv::Size size(board.cols, board.rows);
+  if (std::max(image.cols, image.rows) > kFineSearch) return {};
+  std::vector<cv::Point2f> corners;
+  if (board.cols > 2 && board.rows > 2 &&
+      cv::findChessboardCornersSB(image, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE) &&
+      allCrossings(image, board, corners)) {
+    return corners;
+  }
+  constexpr double kGrainMost = 1.0;
+  if (grainOf(image) > kGrainMost) return {};
+  const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
+  if (!cv::findChessboardCorners(image, size, corners, flags)) return {};
+  if (!allCrossings(image, board, corners)) return {};
+  return corners;
+}
+
 std::vector<cv::Point2f> searched(const cv::Mat& image, const Board& board) {
   const cv::Size size(board.cols, board.rows);
   // The sector-based detector wants 3 corners a side.
@@ -72,7 +112,9 @@ std::vector<cv::Point2f> searched(const cv::Mat& image, const Board& board) {
   if (!corners.empty() && allCrossings(image, board, corners)) return corners;
   // The sector-based detector has searched all that is smaller as it is.
   if (std::max(image.cols, image.rows) <= kSectorSearch) return {};
-  return classicInTiles(image, board);
+  corners = classicInTiles(image, board);
+  if (!corners.empty()) return corners;
+  return slantedAndSmall(image, board);
 }
 
 /// How much darker the first square is than its neighbours.

@@ -119,7 +119,7 @@ double chooseRobotNoise(HeldOut of) {
     AdjustOptions options = *of.options;
     options.fixed_robot_noise = true;
     trial = adjust(of.problem, of.views, trial, options);
-    if (!trial.converged || trial.degenerate) continue;
+    if (!trial.converged || trial.degenerate || !lensError(of.problem, trial).empty()) continue;
     // What the corners cannot have is the robot's: a smaller noise may not leave it to them.
     constexpr double kCornersAllow = 1.5;
     if (trial.noise.pixel > kCornersAllow * estimated.pixel) continue;

@@ -4,6 +4,7 @@
 // Boards with markers: found whole and in part, described by a file, and printed.
 
 #include "calibrate/board/charuco.h"
+#include "calibrate/board/markers.h"
 #include "planar_bin_picking/calibrate/board/board_file.h"
 #include "planar_bin_picking/calibrate/board/board_print.h"
 #include "planar_bin_picking/calibrate/board/find_board.h"
@@ -27,7 +28,7 @@ sim::BoardCell charucoCell(int cols = 9, int rows = 6) {
   cell.camera = {1000, 800, 1400.0, 1398.0, 505.0, 396.0, {-0.1, 0.06, -5e-4, 4e-4, 0.0}};
   cell.cols = cols;
   cell.rows = rows;
-  giveMarkers(&cell);
+  sim::giveMarkers(&cell);
   return cell;
 }
 

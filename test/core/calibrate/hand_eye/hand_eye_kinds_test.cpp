@@ -20,7 +20,7 @@ class HandEyeKinds : public testing::TestWithParam<bool> {
 
 /// Views of a board with markers, of which a corner of the picture's border cuts off a part.
 HandEyeProblem partialProblem(sim::BoardCell* cell, int count, std::mt19937* random) {
-  giveMarkers(cell);
+  sim::giveMarkers(cell);
   HandEyeProblem problem = randomProblem(*cell, count, random);
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     Observation& view = problem.observations[i];
