@@ -27,6 +27,7 @@ struct RunOutcome {
   std::string failure;  ///< what the run threw
   HandEyeProblem problem;
   int pictures = 0, refused = 0, lost = 0;
+  int beyond = 0;  ///< targets nearer to the limits than a target may be
 };
 
 /// A camera anywhere within 0.3 m of its mount, at any turn about its axis; the board is seen at
@@ -67,6 +68,8 @@ struct RunWorld {
     try {
       while (const auto target = run.next()) {
         outcome.asked.push_back(*target);
+        const bool is_start = outcome.asked.size() == 1;
+        if (!is_start && !run.limits().allowsTarget(*target)) ++outcome.beyond;
         visit(*target, &run, &outcome);
       }
       if (run.headBack()) drive(&run, &outcome);

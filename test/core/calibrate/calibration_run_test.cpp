@@ -21,6 +21,7 @@ TEST_P(CalibrationRunTest, GetsGoodByItself) {
     EXPECT_TRUE(isometryNear(outcome.result.T_mount_camera, world.cell.T_mount_camera, 1e-3,
                              0.1 * sim::kDegree));
     EXPECT_LE(outcome.pictures, 15);
+    EXPECT_EQ(outcome.beyond, 0);
   }
 }
 
