@@ -62,6 +62,9 @@ class Views(unittest.TestCase):
         for name in ("locator", "demanding", "level", "two_cameras", "misled"):
             for service in ("locate_part", "refine_part", "next_view"):
                 rospy.wait_for_service(f"{name}/{service}", UP)
+        end = time.monotonic() + UP  # until each of them hears tf; this one listens, too
+        while cls.cell.tf.pub_tf.get_num_connections() < 6 and time.monotonic() < end:
+            time.sleep(0.02)
 
     def locate(self, locator="locator", status=LocatePartResponse.OK, plates=PLATES, **second):
         self.cell.show(HOME, plates, **second)
