@@ -45,7 +45,7 @@ class CalibrationFile : public testing::Test {
   std::string out(const std::string& name = "") const { return dir_.path("out/" + name); }
   std::string save(bool replace_good = false) const {
     return saveCalibration(out(), problem_, result_, {"palm", "tool0", "eye"},
-                           {replace_good, "2026-01-02T03:04:05Z"});
+                           {replace_good, "2026-01-02T03:04:05Z", ""});
   }
 
   HandEyeProblem problem_;
