@@ -223,7 +223,7 @@ class Contract(unittest.TestCase):
         for part in response.parts:
             self.assertGreaterEqual(part.score, limits["score_min"])
             self.assertGreaterEqual(part.visible_fraction, limits["visible_min"])
-        words = {RefusedPart.LOW_SCORE: "at least 0.70", RefusedPart.OCCLUDED: "at least 0.85",
+        words = {RefusedPart.LOW_SCORE: "at least 0.80", RefusedPart.OCCLUDED: "at least 0.85",
                  RefusedPart.TILT: "at most 4.0"}
         for refused in response.refused:
             self.assertIn(words[refused.reason], refused.text)
