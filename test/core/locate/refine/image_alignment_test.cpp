@@ -137,6 +137,88 @@ TEST(ImageAlignment, SaysHowThePoseFollowsTheEdgeOffset) {
       << slope.transpose() << " but it says " << said.transpose();
 }
 
+/// Edges that a pose of six unknowns would find: each holds one of these, 100 pixels to a radius or
+/// a radian. Theirs is no offset, but for a trace that tells their errors apart.
+std::vector<AlignmentRow> evenRows(int count) {
+  std::vector<AlignmentRow> rows;
+  for (int i = 0; i < count; ++i)
+    rows.push_back({100.0 * Vector6d::Unit(i % 6), i % 4 < 2 ? 1e-7 : -1e-7, 0.0, 1.0});
+  return rows;
+}
+
+ImagePose poseOf(const std::vector<AlignmentRow>& rows) {
+  return imagePoseAt(rows, Vector6d::Zero(), kTukeyPx, Eigen::Isometry3d::Identity(), 0.05);
+}
+
+TEST(ImageAlignment, NarrowWallsAreTrustedLess) {
+  for (const double wall_px : {0.0, 0.4, 6.1, 50.0}) EXPECT_EQ(trustOf(wall_px, 4.0), 1.0);
+  for (const double wall_px : {0.6, 3.0, 5.9}) EXPECT_EQ(trustOf(wall_px, 4.0), 0.3) << wall_px;
+  EXPECT_EQ(trustOf(5.9, 3.0), 1.0);  // out of a shorter reach
+}
+
+/// Tukey's biweight: nothing for an exact edge, the row's trust for an outlier, and the normal
+/// equations lower it.
+TEST(ImageAlignment, TheCostIsBoundedAndItsSlopeIsTheGradient) {
+  const auto at = [](double residual_px, double trust) {
+    return normalEquations({{Vector6d::Unit(0), 0.0, 0.0, trust}}, residual_px * Vector6d::Unit(0),
+                           kTukeyPx);
+  };
+  EXPECT_EQ(at(0.0, 1.0).cost, 0.0);
+  EXPECT_EQ(at(0.0, 1.0).used, 1);
+  EXPECT_DOUBLE_EQ(at(0.0, 0.3).H(0, 0), 0.3);
+  double last = 0.0;
+  for (double r = 0.25; r < kTukeyPx; r += 0.25) {
+    const NormalEquations here = at(r, 1.0);
+    EXPECT_GT(here.cost, last) << r;
+    last = here.cost;
+    constexpr double kStep = 1e-5;
+    const double slope = (at(r + kStep, 1.0).cost - at(r - kStep, 1.0).cost) / (2.0 * kStep);
+    EXPECT_NEAR(slope, 6.0 / (kTukeyPx * kTukeyPx) * here.b(0), 1e-8) << r;
+  }
+  for (const double r : {1.1 * kTukeyPx, -1.3 * kTukeyPx, 10.0 * kTukeyPx}) {
+    EXPECT_EQ(at(r, 0.3).cost, 0.3) << r;
+    EXPECT_EQ(at(r, 0.3).used, 0) << r;
+    EXPECT_TRUE(at(r, 0.3).b.isZero(0.0)) << r;
+  }
+}
+
+/// However exact the edges look: each may be off by 0.3 pixels, and as much all of one of eight
+/// sides alike. Six unknowns follow the 24 clusters.
+TEST(ImageAlignment, TheCovarianceCountsWhatResidualsCannotTell) {
+  const Matrix6d covariance = poseOf(evenRows(240)).covariance;
+  const double variance_px2 = 0.3 * 0.3 * (1.0 / 40.0 + 1.0 / 8.0) * 24.0 / 18.0;
+  for (int k = 0; k < 6; ++k)
+    EXPECT_NEAR(covariance(k, k), 1e-4 * variance_px2, 1e-3 * 1e-4 * variance_px2) << k;
+}
+
+TEST(ImageAlignment, HowFarOffAnOutlierIsDoesNotMatter) {
+  const auto with = [](double factor) {
+    auto rows = evenRows(240);
+    for (std::size_t i = 0; i < rows.size(); i += 11) rows[i].offset = factor * kTukeyPx;
+    for (auto& row : rows) row.out_px = 100.0;
+    return poseOf(rows);
+  };
+  const ImagePose near = with(1.2), far = with(50.0);
+  EXPECT_EQ(near.used, 240 - 22);
+  EXPECT_EQ(far.used, near.used);
+  EXPECT_EQ(far.covariance, near.covariance);
+  EXPECT_EQ(far.residual_px, near.residual_px);
+}
+
+/// Of edges that tell nothing of the pose: noise of a tenth of a pixel at least, and each of the
+/// eight sides may be off by a tenth.
+TEST(ImageAlignment, TheEdgeOffsetIsAsSureAsItsEdgesAndSides) {
+  constexpr double kOutPx = 100.0;
+  for (const double inside : {0.0, 0.0005, -0.0005}) {
+    const std::vector<AlignmentRow> rows(80, {Vector6d::Zero(), -inside * kOutPx, kOutPx, 1.0});
+    const ImagePose pose = poseOf(rows);
+    EXPECT_NEAR(pose.offset, inside, 1e-9);
+    EXPECT_TRUE(pose.per_offset.isZero(0.0));
+    const double sigma = std::hypot(0.1 / std::sqrt(80.0), 0.1 / std::sqrt(8.0)) / kOutPx;
+    EXPECT_NEAR(pose.offset_sigma, sigma, 0.01 * sigma);
+  }
+}
+
 /// Errors against what the covariance says of them, over many pictures of ten points each.
 TEST(ImageAlignment, FewEdgesAreJudgedHonestly) {
   double sum = 0.0;
