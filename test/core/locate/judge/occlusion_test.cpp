@@ -90,6 +90,72 @@ TEST(Occlusion, EndsWhereTheBrightnessChanges) {
   }
 }
 
+TEST(Occlusion, EndsWhereverInACellTheBrightnessChanges) {
+  // The cells are 2 mm wide, their middles at odd millimetres: those under the strip are covered.
+  for (const double from : {3.5, 4.5, 3.4, 4.4}) {
+    const double to = from + 12.0;
+    const Counts upright = occlusionOf(from, to, -40, 40, 90.0,
+                                       [&](const auto& p) { return p.x() > from && p.x() < to; });
+    EXPECT_EQ(upright.inside, 6 * 25) << from;
+    EXPECT_EQ(upright.outside, 0) << from;
+    const double low = from - 13.0, high = low + 14.0;  // a row's middle is at an even millimetre
+    const Counts level = occlusionOf(-60, 60, low, high, 90.0,
+                                     [&](const auto& p) { return p.y() > low && p.y() < high; });
+    EXPECT_EQ(level.inside, 40 * 7) << low;
+    EXPECT_EQ(level.outside, 0) << low;
+  }
+}
+
+TEST(Occlusion, AMissingCornerIsTheCellInIt) {
+  for (const double x : {-40.0, 40.0}) {
+    for (const double y : {-25.0, 25.0}) {
+      const auto missing = [&](const Eigen::Vector2d& p) {
+        return std::abs(p.x() - x) < 2.0 && std::abs(p.y() - y) < 2.0;
+      };
+      // One cell's middle is within a millimetre of this box.
+      const Counts counts = occlusionOf(x - 0.5, x + 0.5, y - 0.5, y + 0.5, 0.0, missing);
+      EXPECT_EQ(counts.inside, 1) << x << " " << y;
+      EXPECT_EQ(counts.outside, 0) << x << " " << y;
+    }
+  }
+}
+
+/// How many of the outermost cells at one of the image's borders are covered: `axis` 0 for the left
+/// (outward -1) and the right one, 1 for the upper and the lower one. Their middles lie `beyond`
+/// pixels out of the image.
+int coveredAtBorder(int axis, double outward, double beyond) {
+  static const auto part = makePart("plain", plainPlate());
+  const FaceGrid& grid = part->faceGrid();
+  const Camera camera = makeCamera(kPinhole);
+  Eigen::Vector2d corner(0.0, 0.0);  // the last cell's middle
+  for (const auto& p : grid.cells()) corner = corner.cwiseMax(p);
+  Eigen::Vector2d pixel(0.5 * kPinhole.width, 0.5 * kPinhole.height);
+  const double last = (axis == 0 ? kPinhole.width : kPinhole.height) - 1.0;
+  pixel(axis) = (outward > 0.0 ? last : 0.0) + outward * beyond;
+  Eigen::Vector3d middle = 0.6 * camera.undistort(pixel).homogeneous();
+  middle(axis) -= outward * corner(axis);
+  const Eigen::Isometry3d T = sim::poseOf({1e3 * middle.x(), 1e3 * middle.y(), 600.0, 0.0, 0.0});
+  sim::Scene scene;
+  scene.plates.push_back({plainPlate(), T});
+  const Shot shot = shoot(scene);
+  int count = 0;
+  for (const int i : findOcclusion(grid, shot.edges, shot.camera, T, 0.0,
+                                   outlineOf([](const auto&) { return false; }))) {
+    const Eigen::Vector3d at = T * Eigen::Vector3d(grid.cells()[i].x(), grid.cells()[i].y(), 0.0);
+    count += std::abs(at(axis) - middle(axis) - outward * corner(axis)) < 1e-6 ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(Occlusion, TheImageEndsAtItsLastPixels) {
+  for (const double outward : {-1.0, 1.0}) {
+    for (const int axis : {0, 1}) {  // of 40 x 25 cells
+      EXPECT_EQ(coveredAtBorder(axis, outward, -0.6), 0) << axis << " " << outward;
+      EXPECT_EQ(coveredAtBorder(axis, outward, 0.6), axis == 0 ? 25 : 40) << axis << " " << outward;
+    }
+  }
+}
+
 TEST(Occlusion, ACornerHidden) {
   const Counts counts =
       occlusionOf(20, 60, 5, 60, 100.0, [](const auto& p) { return p.x() > 20 && p.y() > 5; });
