@@ -201,6 +201,27 @@ TEST(NearSymmetry, NotWhereTheWholeOutlineFitsWorse) {
                            kRadians));
 }
 
+TEST(NearSymmetry, MayCostTheWholeOutlineTwoHundredths) {
+  // A shorter step is worth less than the blot, and its length decides.
+  for (const auto& [step_mm, decides] : {std::pair{10.0, true}, {12.0, false}}) {
+    sim::Plate plate = oneHolePlate();
+    const double x = step_mm - 30.0;
+    plate.outer = {{-30, -20}, {30, -20}, {30, 20}, {x, 20}, {x, 18.8}, {-30, 18.8}};
+    sim::Plate drawn = plate;
+    drawn.holes = {circle(-17, -9.6, 4, true)};
+    const Eigen::Isometry3d truth = tilted(3.0);
+    const Viewed viewed(plate, Viewed::sceneAt(drawn, truth));
+    const double cost =
+        viewed.alignedAt(truth).inlier_score - viewed.alignedAt(turned(truth, 180.0)).inlier_score;
+    ASSERT_GT(cost, decides ? 0.01 : 0.025);
+    ASSERT_LT(cost, decides ? 0.018 : 0.038);
+    const Eigen::Isometry3d expected = decides ? turned(truth, 180.0) : truth;
+    EXPECT_TRUE(
+        isometryNear(viewed.chosenFrom(truth).pose.T_camera_part, expected, kMetres, kRadians))
+        << step_mm;
+  }
+}
+
 TEST(NearSymmetry, TheOtherTiltMovesAlong) {
   sim::Plate plate{rectangle(-16, -10, 16, 10), {circle(9, 4, 3, true)}, {}, 0.0};
   const Eigen::Isometry3d truth = tilted(10.0);
@@ -336,6 +357,25 @@ TEST_F(DecideTilts, OfOthersThatLieEitherWayTheSurerCount) {
   };
   EXPECT_NEAR(with(6.0, 0.0), 10.0, 1.0);
   EXPECT_NEAR(with(6.0, 6.0), -10.0, 1e-6);
+}
+
+TEST_F(DecideTilts, OneWithALargeLeadCountsAsASureOne) {
+  std::vector<ChosenPose> poses = posesOf(-10.0, 0.5, 3, -10.0);
+  for (int i = 0; i < 4; ++i) poses.push_back({told(10.0), told(-10.0), 6.0});
+  EXPECT_NEAR(decided(poses), 10.0, 1.0);
+}
+
+/// Against a plane that is known to a fraction of a degree, of a part that lies on it in nine of
+/// ten cases, 20 degrees are two standard deviations of 10 degrees off: odds of some exp(-2 * 2) /
+/// 2 and what a part that lies anyhow adds.
+TEST_F(DecideTilts, ThePosesOwnTiltErrorSetsTheOdds) {
+  const auto with = [&](double lead) {
+    std::vector<ChosenPose> poses = posesOf(-10.0, lead, 6, 10.0);
+    poses[0].pose.image.covariance(3, 3) = poses[0].pose.image.covariance(4, 4) = 0.01;
+    return decided(poses);
+  };
+  EXPECT_NEAR(with(4.2), 10.0, 1.0);
+  EXPECT_NEAR(with(5.4), -10.0, 1e-6);
 }
 
 TEST_F(DecideTilts, APoseThatHardlyTellsItsTiltIsLeft) {
