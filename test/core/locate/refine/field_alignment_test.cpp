@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
 #include <random>
 
 namespace planar_bin_picking {
@@ -91,6 +94,113 @@ TEST(FieldAlignment, TheInlierScoreFallsWithTheDistance) {
   EXPECT_GT(score(0.0), 0.7);
   EXPECT_LT(score(1.5), score(0.0) - 0.1);
   EXPECT_LT(score(200.0), 0.1);
+}
+
+/// A field of 200 x 200 pixels with the optical axis in its middle, alike in all directions: in
+/// each column edges are so many pixels away.
+Field fieldWith(const std::function<double(int)>& distance_px) {
+  Field field;
+  field.width = field.height = 200;
+  field.focal = 200.0;
+  field.cx = field.cy = 100.0;
+  field.image_px = 1.0;
+  for (int y = 0; y < field.height; ++y) {
+    for (int x = 0; x < field.width; ++x) {
+      const double units = std::min<double>(kFarDistance, kUnitsPerFieldPixel * distance_px(x));
+      field.distance.insert(field.distance.end(), kDirections, static_cast<std::uint8_t>(units));
+    }
+  }
+  return field;
+}
+
+/// A ring of one radius.
+std::vector<LocalPoint> ring() {
+  std::vector<LocalPoint> points;
+  for (int i = 0; i < 24; ++i) {
+    const double a = 15.0 * kDegrees * i;
+    points.push_back({std::cos(a), std::sin(a), -std::sin(a), std::cos(a), i});
+  }
+  return points;
+}
+
+constexpr double kRingRadius = 0.02;  // metres: 4 field pixels at 1 m
+
+/// The ring 1 m in front of the camera, its centre in that column of the field's middle row.
+Eigen::Isometry3d ringAt(double column) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() << (column - 100.0) / 200.0, 0.0, 1.0;
+  T.linear() = Eigen::AngleAxisd(EIGEN_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  return T;
+}
+
+double columnOf(const Eigen::Isometry3d& T) {
+  return 100.0 + 200.0 * T.translation().x() / T.translation().z();
+}
+
+TEST(FieldAlignment, TheInlierScoreIsAShareOfTheReach) {
+  const Field field = fieldWith([](int) { return 1.0; });
+  const auto score = [&](const Eigen::Isometry3d& T, double reach_px) {
+    return fieldInlierScore(field, ring(), kRingRadius, T, reach_px);
+  };
+  EXPECT_NEAR(score(ringAt(100.0), 4.0), 0.75, 1e-9);
+  EXPECT_NEAR(score(ringAt(100.0), 2.0), 0.5, 1e-9);
+  EXPECT_EQ(score(ringAt(100.0), 1.0), 0.0);
+  // Out of view, and half of it: 11 of 24 points, and the two on the border itself.
+  EXPECT_EQ(score(ringAt(-20.0), 4.0), 0.0);
+  EXPECT_EQ(score(ringAt(220.0), 4.0), 0.0);
+  EXPECT_NEAR(score(ringAt(-0.01), 4.0), 0.75 * 11.0 / 24.0, 1e-9);
+  // What is behind the camera is not seen, though its lines of sight meet the field.
+  Eigen::Isometry3d behind = ringAt(100.0);
+  behind.translation().z() = -1.0;
+  EXPECT_EQ(score(behind, 4.0), 0.0);
+  EXPECT_EQ(fieldInlierScore(field, {}, kRingRadius, ringAt(100.0), 4.0), 0.0);
+}
+
+/// Downhill the edges come nearer, until they or the image end: what is out of reach or of view
+/// counts as an outlier, so the ring stays.
+TEST(FieldAlignment, NoStepLosesTheEdges) {
+  RefineParams params;
+  params.field_reach_end_px = 10.0;
+  for (const int end : {0, 60}) {
+    const Field field = fieldWith([end](int x) { return x < end ? 40.0 : 1.0 + (x - end) / 3.0; });
+    const Eigen::Isometry3d T =
+        alignInField(field, ring(), kRingRadius, ringAt(end + 9.0), 10.0, params);
+    EXPECT_LT(columnOf(T), end + 8.0);
+    EXPECT_GT(columnOf(T), end + 2.0);
+  }
+}
+
+TEST(FieldAlignment, TheFirstEvaluationIsOfTheStart) {
+  RefineParams params;
+  const Field field = fieldWith([](int x) { return std::abs(x - 100.0); });
+  const auto column = [&](int iterations) {
+    params.field_iterations = iterations;
+    return columnOf(alignInField(field, ring(), kRingRadius, ringAt(104.0), 12.0, params));
+  };
+  EXPECT_EQ(column(1), 104.0);
+  EXPECT_LT(column(2), 103.95);
+  EXPECT_LT(std::abs(column(14) - 100.0), std::abs(column(7) - 100.0) - 0.1);
+}
+
+/// Where no edge says anything: a tilt beyond the limit goes back to it, one within stays.
+TEST(FieldAlignment, TheTiltLimitHoldsAllAround) {
+  RefineParams params;
+  params.tilt_limit_deg = 20.0;
+  params.field_iterations = 40;
+  const Field empty = fieldWith([](int) { return 40.0; });
+  const auto aligned = [&](double tilt_deg, double about_deg, bool front) {
+    const Eigen::Isometry3d start = sim::poseOf({0, 0, 1000, 30, tilt_deg, about_deg, front});
+    return std::pair{start, alignInField(empty, ring(), kRingRadius, start, 2.0, params)};
+  };
+  for (const bool front : {true, false}) {
+    for (const double about_deg : {0.0, 70.0, 160.0, 250.0}) {
+      const Eigen::Isometry3d back = aligned(35.0, about_deg, front).second;
+      const double tilt_deg = std::acos(std::abs(back.linear()(2, 2))) / kDegrees;
+      EXPECT_NEAR(tilt_deg, 20.2, 0.3) << about_deg;
+      const auto [start, stayed] = aligned(19.0, about_deg, front);
+      EXPECT_TRUE(stayed.isApprox(start, 1e-9)) << about_deg;
+    }
+  }
 }
 
 }  // namespace
