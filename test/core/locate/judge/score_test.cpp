@@ -150,5 +150,37 @@ TEST(Score, TheEdgeOffsetIsFollowed) {
   EXPECT_GT(score(), without + 0.2);
 }
 
+/// Both rims of a narrow hole lie in one profile: what looks like it elsewhere proves nothing.
+TEST(Score, ANarrowHoleElsewhereProvesNothing) {
+  const auto with = [](double half_width, double moved) {
+    sim::Plate plate = bracketPlate();
+    const double low = 6.0 + moved - half_width, high = 6.0 + moved + half_width;
+    plate.holes[0] = {{-26, low}, {-26, high}, {-10, high}, {-10, low}};
+    return plate;
+  };
+  const auto score = [&](double half_width, double moved) {
+    return scored(sceneOf(with(half_width, moved), kLie),
+                  makePart("slotted", with(half_width, 0.0)), sim::poseOf(kLie))
+        .score;
+  };
+  // 9 mm and 1.4 mm wide: what counts, 4 A / length, is 33 and 7 pixels.
+  EXPECT_LT(score(4.5, 1.4), 0.4 * score(4.5, 0.0));
+  EXPECT_GT(score(0.7, 1.4), 0.4 * score(0.7, 0.0));
+}
+
+TEST(Score, ABevelledHoleIsNoOtherHole) {
+  const auto part = makePart("bracket", bracketPlate());
+  sim::Plate smaller = bracketPlate();
+  const double offset_mm = 0.9;  // 2.5 pixels: where the drawing has the rims nothing is seen
+  smaller.outer = {{-33 + offset_mm, -29 + offset_mm}, {47 - offset_mm, -29 + offset_mm},
+                   {47 - offset_mm, -9 - offset_mm},   {-3 - offset_mm, -9 - offset_mm},
+                   {-3 - offset_mm, 21 - offset_mm},   {-33 + offset_mm, 21 - offset_mm}};
+  smaller.holes = {circle(-18, 6, 6 + offset_mm, true), circle(32, -19, 4 + offset_mm, true)};
+  const Shot shot = shoot(sceneOf(smaller, kLie));
+  RefinedPose pose = refinedAt(sim::poseOf(kLie));
+  pose.edge_offset = 1e-3 * offset_mm;
+  EXPECT_GT(scorePoses(shot.edges, shot.camera, {part}, {pose}, {}, 1).at(0).score, 0.8);
+}
+
 }  // namespace
 }  // namespace planar_bin_picking
