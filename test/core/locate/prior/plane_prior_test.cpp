@@ -151,6 +151,26 @@ TEST(PlanePrior, DropsWhatLiesOnAnotherPart) {
   EXPECT_TRUE(isometryNear(kept[0].T_camera_part, flat, 1e-6, 1e-3 * kDegrees));
 }
 
+/// Pose and plane together: 4 mm by the picture and 3 mm of the plane are 5 mm of both.
+TEST(PlanePrior, TheGateCountsSigmasOfBoth) {
+  const Plane plane{-Eigen::Vector3d::UnitZ(), 0.6};
+  const auto truth = lyingOn(plane, *kParts[0], Face::kFront, 0.0, 0.0, 0.0);
+  PlaneParams params;
+  params.sigma = 3e-3;
+  for (const double gate : {2.0, 4.0}) {
+    params.gate = gate;
+    const auto keeps = [&](double sigmas) {
+      RefinedPose found = foundNear(truth, Face::kFront, vector6(0, 0, sigmas * 5e-3, 0, 0, 0));
+      found.covariance(2, 2) = 16e-6;
+      return fuseWithPlane(found, *kParts[0], plane, params).has_value();
+    };
+    EXPECT_TRUE(keeps(0.98 * gate)) << gate;
+    EXPECT_TRUE(keeps(-0.98 * gate)) << gate;
+    EXPECT_FALSE(keeps(1.02 * gate)) << gate;
+    EXPECT_FALSE(keeps(-1.02 * gate)) << gate;
+  }
+}
+
 TEST(PlanePrior, NarrowsTheDistances) {
   const Camera camera = makeCamera(kPinhole);
   const PlaneParams params;
@@ -163,6 +183,11 @@ TEST(PlanePrior, NarrowsTheDistances) {
   const auto within = distancesOnPlane(camera, straight, 0.003, {0.59, 0.8}, params);
   EXPECT_EQ(within->min, 0.59);
   EXPECT_FALSE(distancesOnPlane(camera, straight, 0.003, {0.3, 0.5}, params));
+  // One distance that is left is not outside.
+  const auto touching = distancesOnPlane(camera, straight, 0.003, {0.4, flat->min}, params);
+  ASSERT_TRUE(touching);
+  EXPECT_EQ(touching->min, flat->min);
+  EXPECT_EQ(touching->max, flat->min);
   // What a leaning camera sees at the picture's upper and lower edge is nearer and farther.
   const auto lean = distancesOnPlane(camera, leaningBelt(), 0.003, {0.4, 0.8}, params);
   EXPECT_LT(lean->min, flat->min - 0.02);
