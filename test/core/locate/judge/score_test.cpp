@@ -152,20 +152,19 @@ TEST(Score, TheEdgeOffsetIsFollowed) {
 
 /// Both rims of a narrow hole lie in one profile: what looks like it elsewhere proves nothing.
 TEST(Score, ANarrowHoleElsewhereProvesNothing) {
-  const auto with = [](double half_width, double moved) {
+  const auto with = [](double radius, double moved) {
     sim::Plate plate = bracketPlate();
-    const double low = 6.0 + moved - half_width, high = 6.0 + moved + half_width;
-    plate.holes[0] = {{-26, low}, {-26, high}, {-10, high}, {-10, low}};
+    plate.holes[0] = circle(-18, 6 + moved, radius, true);
     return plate;
   };
-  const auto score = [&](double half_width, double moved) {
-    return scored(sceneOf(with(half_width, moved), kLie),
-                  makePart("slotted", with(half_width, 0.0)), sim::poseOf(kLie))
+  const auto score = [&](double radius, double moved) {
+    return scored(sceneOf(with(radius, moved), kLie), makePart("drilled", with(radius, 0.0)),
+                  sim::poseOf(kLie))
         .score;
   };
-  // 9 mm and 1.4 mm wide: what counts, 4 A / length, is 33 and 7 pixels.
-  EXPECT_LT(score(4.5, 1.4), 0.4 * score(4.5, 0.0));
-  EXPECT_GT(score(0.7, 1.4), 0.4 * score(0.7, 0.0));
+  // 34 and 9 pixels across, 6 pixels off.
+  EXPECT_LT(score(6.0, 2.0), 0.4 * score(6.0, 0.0));
+  EXPECT_GT(score(1.6, 2.0), 0.5 * score(1.6, 0.0));
 }
 
 TEST(Score, ABevelledHoleIsNoOtherHole) {
