@@ -154,7 +154,7 @@ class Installed(unittest.TestCase):
             self.assertEqual(session.run("rospack find planar_bin_picking").strip(), str(self.share))
 
     def test_launch_files_find_all_their_files_and_programs(self):
-        cases = {name: [""] for name in ("cell", "demo", "calibrate_demo", "hdr")}
+        cases = {name: [""] for name in ("cell", "demo", "calibrate_demo", "hdr", "robot_server")}
         cases["cycle_demo"] = ["", "hdr:=true nodelet:=false"]
         cases["bag"] = ["bag:=my.bag"]
         cases["calibrate"] = [f"cell:={self.root}/calibrator.yaml"]
