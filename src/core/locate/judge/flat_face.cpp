@@ -13,8 +13,7 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr int kSamples = FaceGrid::kSamples;
-constexpr float kOwn = 3.0f;  // samples about a line within which edges are its own
-constexpr int kHalf = 1;      // samples to either side that a level is the mean of
+constexpr int kHalf = 1;  // samples to either side that a level is the mean of
 
 /// Of an edge that is no line of the drawing: it is clear where the change is as large as this
 /// share of the median on the part's own lines, and at least so many grey levels per sample.
@@ -38,7 +37,7 @@ cv::Mat_<std::uint8_t> openFace(const FaceGrid& grid, const std::vector<int>& co
     const int col = static_cast<int>(at.x()), row = static_cast<int>(at.y());
     open(cv::Rect(kSamples * col, kSamples * row, kSamples, kSamples)) = 1;
   }
-  open.setTo(0, grid.fromOutline() < kOwn);
+  open.setTo(0, grid.fromOutline() < kOwnLines);
   return open;
 }
 

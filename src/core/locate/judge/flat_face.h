@@ -18,6 +18,9 @@ inline Eigen::Vector2f pixelOnFace(const Camera& camera, const Eigen::Isometry3d
   return camera.project(T_camera_part * Eigen::Vector3d(point.x(), point.y(), z)).cast<float>();
 }
 
+/// Samples about the drawing's lines within which edges are its own.
+inline constexpr float kOwnLines = 3.0f;
+
 /// Grey levels, FaceGrid::kSamples to a cell's side.
 cv::Mat flatten(const FaceGrid& grid, const cv::Mat& image, const Camera& camera,
                 const Eigen::Isometry3d& T_camera_part, double z);

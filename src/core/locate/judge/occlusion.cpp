@@ -22,7 +22,6 @@ constexpr float kSeen = 1.0f, kMissing = 3.0f;
 constexpr float kOutside = 1e3f;
 constexpr double kTexture = 2.0;   // times the face's usual change from cell to cell: a border
 constexpr double kFaintest = 3.0;  // grey levels per sample: usual changes are taken to be as large
-constexpr float kOwn = 2.0f;       // samples about the outline within which edges are its own
 // Cells from the outline to the middle of the cell within: half a cell's diagonal.
 constexpr double kWithin = 0.7;
 
@@ -65,7 +64,7 @@ std::vector<int> findOcclusion(const FaceGrid& grid, const EdgeMap& edges, const
     return pixelOnFace(camera, T_camera_part, p, z);
   };
   cv::Mat_<float> change = changeOf(flatten(grid, edges.image, camera, T_camera_part, z));
-  change.setTo(0.0f, grid.fromOutline() < kOwn);
+  change.setTo(0.0f, grid.fromOutline() < kOwnLines);
   const auto changes = alongLinks(grid, change);
   const double border = kTexture * usual(changes);
 

@@ -122,8 +122,8 @@ TEST(Occlusion, AMissingCornerIsTheCellInIt) {
 
 /// How many of the outermost cells at one of the image's borders are covered: `axis` 0 for the left
 /// (outward -1) and the right one, 1 for the upper and the lower one. Their middles lie `beyond`
-/// pixels out of the image.
-int coveredAtBorder(int axis, double outward, double beyond) {
+/// pixels out of the image. `inside`: these; `outside`: all others that are covered, too.
+Counts coveredAtBorder(int axis, double outward, double beyond) {
   static const auto part = makePart("plain", plainPlate());
   const FaceGrid& grid = part->faceGrid();
   const Camera camera = makeCamera(kPinhole);
@@ -138,20 +138,24 @@ int coveredAtBorder(int axis, double outward, double beyond) {
   sim::Scene scene;
   scene.plates.push_back({plainPlate(), T});
   const Shot shot = shoot(scene);
-  int count = 0;
+  Counts counts;
   for (const int i : findOcclusion(grid, shot.edges, shot.camera, T, 0.0,
                                    outlineOf([](const auto&) { return false; }))) {
     const Eigen::Vector3d at = T * Eigen::Vector3d(grid.cells()[i].x(), grid.cells()[i].y(), 0.0);
-    count += std::abs(at(axis) - middle(axis) - outward * corner(axis)) < 1e-6 ? 1 : 0;
+    const bool is_last = std::abs(at(axis) - middle(axis) - outward * corner(axis)) < 1e-6;
+    ++(is_last ? counts.inside : counts.outside);
   }
-  return count;
+  return counts;
 }
 
 TEST(Occlusion, TheImageEndsAtItsLastPixels) {
   for (const double outward : {-1.0, 1.0}) {
     for (const int axis : {0, 1}) {  // of 40 x 25 cells
-      EXPECT_EQ(coveredAtBorder(axis, outward, -0.6), 0) << axis << " " << outward;
-      EXPECT_EQ(coveredAtBorder(axis, outward, 0.6), axis == 0 ? 25 : 40) << axis << " " << outward;
+      const Counts within = coveredAtBorder(axis, outward, -0.6);
+      const Counts beyond = coveredAtBorder(axis, outward, 0.6);
+      EXPECT_EQ(within.inside + within.outside, 0) << axis << " " << outward;
+      EXPECT_EQ(beyond.inside, axis == 0 ? 25 : 40) << axis << " " << outward;
+      EXPECT_EQ(beyond.outside, 0) << axis << " " << outward;
     }
   }
 }
