@@ -9,6 +9,7 @@
 #include "more_views.h"
 #include "read_image.h"
 
+#include "planar_bin_picking/base/se3.h"
 #include "planar_bin_picking/image/camera_file.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "planar_bin_picking/show/overlay.h"
@@ -128,9 +129,7 @@ const char* nameOf(Face face) { return face == Face::kFront ? "front" : "back"; 
 
 std::string toYaml(const Detection& detection) {
   const Eigen::Vector3d p = detection.T_camera_part.translation();
-  Eigen::Quaterniond q(detection.T_camera_part.rotation());
-  q.normalize();
-  if (q.w() < 0.0) q.coeffs() *= -1.0;
+  const Eigen::Quaterniond q = quaternionOf(detection.T_camera_part.rotation());
   // Nanometres; the angle fine enough for a drawing whose origin lies kilometres away.
   return "{part: " + yamlText(detection.part_name) + ", face: " + nameOf(detection.face) +
          ", position: " + yamlList({p.x(), p.y(), p.z()}, 9) +

@@ -53,6 +53,9 @@ Eigen::Isometry3d exp(const Vector6d& xi);
 /// The inverse of exp; rotations by less than 180 degrees.
 Vector6d log(const Eigen::Isometry3d& T);
 
+/// Of its two quaternions the one whose w is not negative.
+Eigen::Quaterniond quaternionOf(const Eigen::Matrix3d& R);
+
 /// Rotation vector of a rotation, at most 180 degrees long.
 Eigen::Vector3d rotationVector(const Eigen::Matrix3d& R);
 

@@ -31,10 +31,15 @@ Vector6d log(const Eigen::Isometry3d& T) {
   return xi;
 }
 
-Eigen::Vector3d rotationVector(const Eigen::Matrix3d& R) {
+Eigen::Quaterniond quaternionOf(const Eigen::Matrix3d& R) {
   Eigen::Quaterniond q(R);
   q.normalize();
   if (q.w() < 0.0) q.coeffs() *= -1.0;
+  return q;
+}
+
+Eigen::Vector3d rotationVector(const Eigen::Matrix3d& R) {
+  const Eigen::Quaterniond q = quaternionOf(R);
   const double s = q.vec().norm();
   if (s < 1e-12) return 2.0 * q.vec();
   return 2.0 * std::atan2(s, q.w()) / s * q.vec();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <locale>
 #include <set>
 #include <sstream>
@@ -109,6 +110,15 @@ std::string yamlText(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
   return out + "'";
+}
+
+std::string yamlNumber(double value) {
+  if (std::isnan(value)) return ".nan";
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out.precision(10);
+  out << value;
+  return out.str();
 }
 
 std::string yamlNumber(double value, int decimals) {

@@ -18,6 +18,9 @@ std::string yamlText(const std::string& text);
 /// @param decimals  after the point
 std::string yamlNumber(double value, int decimals);
 
+/// Ten digits, in every locale; .nan where it is no number.
+std::string yamlNumber(double value);
+
 /// `[a, b]` of texts.
 std::string yamlList(const std::vector<std::string>& texts);
 

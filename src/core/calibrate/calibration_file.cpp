@@ -4,35 +4,21 @@
 
 #include "base/atomic_file.h"
 #include "base/yaml_file.h"
+#include "base/yaml_text.h"
 #include "calibrate/calibration_report.h"
 #include "calibrate/fixed_link.h"
+#include "planar_bin_picking/base/se3.h"
 #include "planar_bin_picking/calibrate/board/board_file.h"
 
 #include <cmath>
 #include <ctime>
 #include <filesystem>
-#include <iomanip>
-#include <locale>
-#include <sstream>
 #include <stdexcept>
 
 namespace planar_bin_picking {
 namespace {
 
 using Values = std::vector<double>;
-
-Values positionOf(const Eigen::Isometry3d& T) {
-  const Eigen::Vector3d p = T.translation();
-  return {p.x(), p.y(), p.z()};
-}
-
-/// x y z w, w not negative.
-Values orientationOf(const Eigen::Isometry3d& T) {
-  Eigen::Quaterniond q(T.linear());
-  q.normalize();
-  if (q.w() < 0.0) q.coeffs() *= -1.0;
-  return {q.x(), q.y(), q.z(), q.w()};
-}
 
 bool isRational(const Camera::Model& camera) {
   return camera.distortion_model == "rational_polynomial";
@@ -42,17 +28,6 @@ Values distortionOf(const Camera::Model& camera) {
   Values d = camera.distortion;
   d.resize(isRational(camera) ? 8 : 5, 0.0);
   return d;
-}
-
-/// As text: the emitter's own conversion follows the process's locale, and where that has decimal
-/// commas or groups digits nobody could read the file.
-template <class Number>
-std::string numberText(const Number value) {
-  if (std::isnan(static_cast<double>(value))) return ".nan";
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out << std::setprecision(10) << value;
-  return out.str();
 }
 
 /// What all files of a calibration say of it.
@@ -73,15 +48,24 @@ void put(YAML::Emitter& out, const std::string& key, bool value) {
   out << YAML::Key << key << YAML::Value << value;
 }
 
+/// As text: the emitter's own conversion follows the process's locale.
 template <class Number>
 void put(YAML::Emitter& out, const std::string& key, const Number& value) {
-  put(out, key, numberText(value));
+  put(out, key, yamlNumber(static_cast<double>(value)));
 }
 
 void putList(YAML::Emitter& out, const std::string& key, const Values& values) {
   out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginSeq;
-  for (const double value : values) out << numberText(value);
+  for (const double value : values) out << yamlNumber(value);
   out << YAML::EndSeq;
+}
+
+/// Of the map that is open.
+void putPose(YAML::Emitter& out, const Eigen::Isometry3d& T) {
+  const Eigen::Vector3d p = T.translation();
+  const Eigen::Quaterniond q = quaternionOf(T.linear());
+  putList(out, "position", {p.x(), p.y(), p.z()});
+  putList(out, "orientation", {q.x(), q.y(), q.z(), q.w()});
 }
 
 void putMatrix(YAML::Emitter& out, const std::string& key, int rows, const Values& values) {
@@ -97,8 +81,7 @@ void putBoard(YAML::Emitter& out, const HandEyeResult& result) {
   const bool in_hand = result.transform_name == "T_flange_camera";
   out << YAML::Key << "board_transform" << YAML::Value << YAML::BeginMap;
   put(out, "name", in_hand ? "T_base_board" : "T_flange_board");
-  putList(out, "position", positionOf(result.T_other_board));
-  putList(out, "orientation", orientationOf(result.T_other_board));
+  putPose(out, result.T_other_board);
   out << YAML::EndMap;
 }
 
@@ -115,8 +98,7 @@ void putCovariance(YAML::Emitter& out, const HandEyeResult& result) {
 void putNumbers(YAML::Emitter& out, const HandEyeResult& result) {
   out << YAML::Key << "transform" << YAML::Value << YAML::BeginMap;
   put(out, "name", result.transform_name);
-  putList(out, "position", positionOf(result.T_mount_camera));
-  putList(out, "orientation", orientationOf(result.T_mount_camera));
+  putPose(out, result.T_mount_camera);
   out << YAML::EndMap;
   const Camera::Model& c = result.camera;
   putList(out, "camera_matrix", {c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0});
@@ -220,8 +202,8 @@ std::string madeOf(const HandEyeResult& result, const Made& made) {
   std::string text = "camera " + made.names.camera_name + ", calibrated " + made.date + ": " +
                      nameOf(result.verdict);
   if (!result.solved) return text;
-  return text + ", expected error " + numberText(result.expected_error_mm) + " mm and " +
-         numberText(result.expected_error_deg) + " deg";
+  return text + ", expected error " + yamlNumber(result.expected_error_mm) + " mm and " +
+         yamlNumber(result.expected_error_deg) + " deg";
 }
 
 std::string cameraInfoYaml(const HandEyeResult& result, const Made& made) {
@@ -247,8 +229,7 @@ std::string handEyeYaml(const HandEyeResult& result, const Made& made) {
   out << YAML::BeginMap;
   put(out, "parent_frame", made.names.mount_frame);
   put(out, "child_frame", made.names.camera_frame);
-  putList(out, "position", positionOf(result.T_mount_camera));
-  putList(out, "orientation", orientationOf(result.T_mount_camera));
+  putPose(out, result.T_mount_camera);
   put(out, "expected_error_mm", result.expected_error_mm);
   put(out, "expected_error_deg", result.expected_error_deg);
   put(out, "verdict", nameOf(result.verdict));

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/robot/orientation.h"
 
+#include "planar_bin_picking/base/se3.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,7 +37,6 @@ Eigen::Matrix3d fromZyx(const double z, const double y, const double x) {
 
 std::vector<double> orientationOf(const Eigen::Matrix3d& R, const PoseConvention convention) {
   const auto [z, y, x] = zyx(R);
-  Eigen::Quaterniond q(R);
   switch (convention) {
     case PoseConvention::kKuka:
       return {z / kDegree, y / kDegree, x / kDegree};
@@ -43,14 +44,13 @@ std::vector<double> orientationOf(const Eigen::Matrix3d& R, const PoseConvention
     case PoseConvention::kPlain:
       return {x / kDegree, y / kDegree, z / kDegree};
     case PoseConvention::kUr: {
-      const Eigen::AngleAxisd turn(R);
-      const Eigen::Vector3d vector = turn.angle() * turn.axis();
+      const Eigen::Vector3d vector = rotationVector(R);
       return {vector.x(), vector.y(), vector.z()};
     }
-    case PoseConvention::kAbb:
-      q.normalize();
-      if (q.w() < 0.0) q.coeffs() *= -1.0;
+    case PoseConvention::kAbb: {
+      const Eigen::Quaterniond q = quaternionOf(R);
       return {q.w(), q.x(), q.y(), q.z()};
+    }
     case PoseConvention::kStaubli:
       break;
   }

@@ -13,6 +13,8 @@
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
+#include <system_error>
+#include <utility>
 
 namespace planar_bin_picking_ros {
 
@@ -46,10 +48,18 @@ bool waitFor(const int descriptor, const int end) {
   return wanted[1].revents == 0;
 }
 
-/// A dead peer is noticed within minutes, and answers go out at once.
+/// A controller without power sends no end: it is asked for after so long without a word, then
+/// again and again, and is gone after so many questions. The system's own two hours would keep its
+/// place.
+constexpr int kIdleSeconds = 30, kAgainSeconds = 10, kQuestions = 3;
+
+/// A dead peer is noticed within a minute, and answers go out at once.
 void prepare(const int socket) {
   const int on = 1;
   setsockopt(socket, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+  setsockopt(socket, IPPROTO_TCP, TCP_KEEPIDLE, &kIdleSeconds, sizeof kIdleSeconds);
+  setsockopt(socket, IPPROTO_TCP, TCP_KEEPINTVL, &kAgainSeconds, sizeof kAgainSeconds);
+  setsockopt(socket, IPPROTO_TCP, TCP_KEEPCNT, &kQuestions, sizeof kQuestions);
   setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &kSendMost, sizeof kSendMost);
 }
@@ -126,10 +136,17 @@ void LineServer::accept() {
       ::close(socket);
       continue;
     }
-    clients_.push_back(std::make_unique<Client>());
-    Client* const client = clients_.back().get();
+    auto client = std::make_unique<Client>();
     client->socket = socket;
-    client->thread = std::thread(&LineServer::serve, this, client);
+    try {
+      client->thread = std::thread(&LineServer::serve, this, client.get());
+    } catch (
+        const std::system_error&) {  // the system has no thread to spare: it may have one later
+      sendAll(socket, settings_.busy);
+      ::close(socket);
+      continue;
+    }
+    clients_.push_back(std::move(client));
   }
   reap(true);
 }

@@ -11,8 +11,11 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
+#include <fstream>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -108,6 +111,34 @@ TEST(LineServer, SlowAndVanishingClientsHarmNobody) {
   EXPECT_EQ(Client(server.port()).ask("one\n"), "1 one\n");
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(250));
   EXPECT_EQ(slow.ask("ow\n"), "1 slow\n");
+}
+
+/// Of the server's connection to a client: seconds until the system asks whether it is still there,
+/// as /proc/net/tcp has it ("02:" and hundredths); negative where it never does.
+double secondsToKeepalive(int port) {
+  char local[16];
+  std::snprintf(local, sizeof local, ":%04X", port);
+  std::ifstream table("/proc/net/tcp");
+  for (std::string row; std::getline(table, row);) {
+    std::istringstream words(row);
+    std::string number, from, to, state, queues, timer;
+    words >> number >> from >> to >> state >> queues >> timer;
+    const std::string established = "01";
+    if (state != established || from.find(local) == std::string::npos) continue;
+    return timer.compare(0, 3, "02:") == 0 ? std::stoul(timer.substr(3), nullptr, 16) / 100.0
+                                           : -1.0;
+  }
+  ADD_FAILURE() << "no connection of port " << port;
+  return -1.0;
+}
+
+TEST(LineServer, AsksSoonWhetherAQuietClientIsStillThere) {
+  const LineServer server(settings(2), makeEcho);
+  const Client client(server.port());
+  EXPECT_EQ(client.ask("one\n"), "1 one\n");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // what was sent is confirmed
+  EXPECT_GT(secondsToKeepalive(server.port()), 5.0);
+  EXPECT_LE(secondsToKeepalive(server.port()), 31.0);
 }
 
 TEST(LineServer, TakesArbitraryBytes) {
