@@ -83,5 +83,77 @@ TEST(EdgeSearch, WhatLeavesTheImageIsNotFound) {
   for (const EdgeHit& hit : hits) EXPECT_FALSE(hit.found);
 }
 
+/// A picture whose grey level depends on x alone.
+template <class Level>
+EdgeMap pictureOf(Level&& level) {
+  EdgeMap map;
+  map.image.create(60, 100, CV_8U);
+  for (int x = 0; x < map.image.cols; ++x)
+    map.image.col(x).setTo(std::lround(level(static_cast<double>(x))));
+  map.noise.fill(1.0f);
+  return map;
+}
+
+/// 0 to 1 at `at`, as blurred as a lens leaves it.
+double stepAt(double x, double at) { return 0.5 * std::erfc((at - x) / (0.7 * std::sqrt(2.0))); }
+
+EdgeHit hitAt(const EdgeMap& map, double x, const SearchProfile& profile, double outward = 1.0) {
+  PosedPoint point;
+  point.pixel = {x, 30.0};
+  point.normal = {outward, 0.0};
+  return EdgeSearch(map, profile).at(point);
+}
+
+TEST(EdgeSearch, AStepIsFoundToATenthOfAPixel) {
+  for (const SearchProfile& profile : {SearchProfile{4, true, 0.8}, SearchProfile{8, false, 1.2}}) {
+    for (double off = -3.3; off < 3.4; off += 0.55) {
+      const EdgeMap map = pictureOf([&](double x) { return 60 + 100 * stepAt(x, 50.0 + off); });
+      for (const double outward : {-1.0, 1.0}) {
+        const EdgeHit hit = hitAt(map, 50.0, profile, outward);
+        ASSERT_TRUE(hit.found) << off;
+        EXPECT_NEAR(hit.offset_px, outward * off, 0.1) << off;
+        EXPECT_NEAR(hit.cosine, 1.0, 1e-3);
+      }
+    }
+  }
+}
+
+TEST(EdgeSearch, ALineIsFoundAtItsMiddle) {
+  for (double off = -2.0; off < 2.1; off += 0.4) {
+    const EdgeMap map = pictureOf(
+        [&](double x) { return 120 - 80 * (stepAt(x, 49.4 + off) - stepAt(x, 50.6 + off)); });
+    const EdgeHit hit = hitAt(map, 50.0, kPaired);
+    ASSERT_TRUE(hit.found) << off;
+    EXPECT_NEAR(hit.offset_px, off, 0.4) << off;  // drawn to whole pixels by up to a third
+  }
+}
+
+TEST(EdgeSearch, OfTwoClearEdgesTheNearerCounts) {
+  for (const double side : {-1.0, 1.0}) {
+    // The farther one is twice as strong; the order along the profile does not matter.
+    const EdgeMap map = pictureOf([&](double x) {
+      const double from_middle = side * (x - 50.0);
+      return 40 + 50 * stepAt(from_middle, 1.0) + 100 * stepAt(from_middle, 6.0);
+    });
+    const EdgeHit hit = hitAt(map, 50.0, {8, false, 1.2});
+    ASSERT_TRUE(hit.found);
+    EXPECT_NEAR(hit.offset_px, side, 0.2);
+  }
+}
+
+TEST(EdgeSearch, AnEdgeOutOfReachIsNone) {
+  const EdgeMap map = pictureOf([](double x) { return 60 + 100 * stepAt(x, 57.0); });
+  EXPECT_FALSE(hitAt(map, 50.0, kPaired).found);
+  EXPECT_TRUE(hitAt(map, 50.0, {8, false, 1.2}).found);
+}
+
+TEST(EdgeSearch, AnEdgeCountsFromFourTimesTheNoiseOn) {
+  const auto rising = [](double height) {
+    return pictureOf([height](double x) { return 60 + height * stepAt(x, 50.0); });
+  };
+  EXPECT_FALSE(hitAt(rising(3.0), 50.0, kPaired).found);
+  EXPECT_TRUE(hitAt(rising(8.0), 50.0, kPaired).found);
+}
+
 }  // namespace
 }  // namespace planar_bin_picking
