@@ -122,6 +122,7 @@ EdgeHit EdgeSearch::strongest(const Response& response, float noise_share) const
     best = merit;
     hit.found = true;
     hit.offset_px = at_px;
+    hit.height = a;
     const float t = response.across[i], g = kSlopeOfStep * a;
     hit.cosine = g / std::sqrt(g * g + t * t);
   }

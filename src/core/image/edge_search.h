@@ -22,6 +22,7 @@ struct EdgeHit {
   float offset_px = 0.0f;  ///< along the outward normal; negative = inside the outline
   float wall_px = 0.0f;    ///< how wide the side wall is seen outside the outline; 0 = turned away
   float cosine = 0.0f;     ///< |cos| between image gradient and normal, Eq. (12)
+  float height = 0.0f;     ///< of the step or line, grey levels
 };
 
 /// Size of the body behind the outline.

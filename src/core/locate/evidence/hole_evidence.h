@@ -11,10 +11,13 @@
 
 namespace planar_bin_picking {
 
-/// Inlier scores from the edges about one drawn hole, 0..1 each.
+/// What the edges about one drawn hole tell of it.
 struct HoleEvidence {
-  double here = 0.0;       ///< inlier score of the hole as the pose has it
-  double elsewhere = 0.0;  ///< of the best other place or size near it; 0 where none was sought
+  double here = 0.0;  ///< inlier score of the hole as the pose has it, 0..1
+  /// By how much the best other place or size near it is likelier than that, up to 1; 0 where none
+  /// is, or where none was sought. Of two edges on one normal the higher one is the rim: the lower
+  /// one may be a shadow in the hole, or what lies below it.
+  double lead = 0.0;
 };
 
 /// @param points    of one hole, all around
