@@ -44,7 +44,7 @@ std::string partText(const Options& options, const PartModel& part) {
          at + ", -" + thickness +
          "]}\n"
          "# tool_radius_mm: 8\n"
-         "# README.md explains these and the other keys, such as keep_layers, skip_layers and "
+         "# doc/parts.md explains these and the other keys, such as keep_layers, skip_layers and "
          "print_layers.\n";
 }
 

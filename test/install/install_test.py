@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The planar_bin_picking authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Installs the package and runs the README's examples as they stand there, with nothing but the installed
+"""Installs the package and runs the examples of README and doc/ as they stand there, with nothing but the installed
 files; only the folder /path/to of the examples is another one: install_test.py BUILD_FOLDER"""
 import os
 import re
@@ -26,7 +26,7 @@ from ros_session import Session, installed_environment
 
 BUILD = None  # the folder given on the command line
 
-# Each command of the README, and which test below runs it.
+# Each command of these pages, and which test below runs it.
 COMMANDS = {
     "demo": r"\./run demo$",
     "test": r"\./run test$",
@@ -106,10 +106,10 @@ def install(folder):
 
 
 def command(name):
-    """The README's command, in the one form in which it stands there."""
+    """The pages' command, in the one form in which it stands there."""
     found = [line for line in readme.commands(readme.text()) if re.match(COMMANDS[name], line)]
     if len(found) != 1:
-        raise LookupError(f"the README has {len(found)} commands like {COMMANDS[name]}")
+        raise LookupError(f"README and doc/ have {len(found)} commands like {COMMANDS[name]}")
     return found[0]
 
 
@@ -136,7 +136,7 @@ class Installed(unittest.TestCase):
     def session(self):
         return Session(self.environment, self.root)
 
-    def test_knows_each_command_of_the_readme(self):
+    def test_knows_each_command_of_the_pages(self):
         for line in readme.commands(readme.text()):
             fitting = [name for name, pattern in COMMANDS.items() if re.match(pattern, line)]
             self.assertEqual(len(fitting), 1, line)
@@ -169,7 +169,7 @@ class Installed(unittest.TestCase):
         # Nobody could see it, where there is no display: then it may be missing.
         self.assertEqual(set(missing) - {"rviz/rviz"}, set())
 
-    def test_demo_prints_what_the_readme_shows(self):
+    def test_demo_prints_what_the_page_shows(self):
         environment = {name: value for name, value in os.environ.items() if name != "DISPLAY"}
         output = subprocess.run(command("demo"), shell=True, cwd=PACKAGE, env=environment, timeout=300, text=True,
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT).stdout

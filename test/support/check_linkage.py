@@ -4,7 +4,7 @@
 """Holds what is built against what may come into a process: check_linkage.py DEVEL_LIB_FOLDER
 
 The locating library and the nodelets must bring neither Ceres, which Debian builds with GPL parts of
-SuiteSparse, nor a GPL reader of drawings into a camera driver's process (README, "Licences")."""
+SuiteSparse, nor a GPL reader of drawings into a camera driver's process (doc/licences.md)."""
 import re
 import subprocess
 import sys

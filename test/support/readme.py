@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The planar_bin_picking authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The README as data: its fenced examples, the files they are meant to be, and the commands in them."""
+"""README and pages of doc/ as data: their fenced examples, the files they are meant to be, and the commands in them."""
 import re
 import textwrap
 from pathlib import Path
@@ -13,8 +13,14 @@ FILES = {"yaml", "xml", "cmake"}
 ALL_LANGUAGES = FILES | {"sh", "text"}
 
 
+def pages():
+    """{path: text} of the README and of the pages that it leads to, in a fixed order."""
+    return {path: path.read_text() for path in [PACKAGE / "README.md", *sorted(PACKAGE.glob("doc/*.md"))]}
+
+
 def text():
-    return (PACKAGE / "README.md").read_text()
+    """All pages, one after the other."""
+    return "\n".join(pages().values())
 
 
 def blocks(markdown):

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The planar_bin_picking authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The README names what there is: its links lead somewhere, its tables hold each status, reason and key.
-(What its examples do is tested by test/install.)"""
+"""README and pages name what there is: their links lead somewhere, their tables hold each status, reason and key.
+(What their examples do is tested by test/install.)"""
 import re
 import unittest
 
@@ -48,14 +48,24 @@ class Readme(unittest.TestCase):
         outside = readme.FENCE.sub("", self.text)
         self.assertNotRegex(outside, r"\n\n    +\S")
 
+    @staticmethod
+    def headings(path):
+        return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+                for heading in re.findall(r"^#+ (.*)", path.read_text(), re.MULTILINE)}
+
     def test_links_lead_somewhere(self):
-        headings = {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
-                    for heading in re.findall(r"^#+ (.*)", self.text, re.MULTILINE)}
-        links = re.findall(r"\]\(([^)]+)\)", self.text)
-        self.assertGreater(len(links), 20)
-        for link in links:
-            there = link[1:] in headings if link.startswith("#") else (PACKAGE / link).exists()
-            self.assertTrue(there, link)
+        links = [(page, *re.fullmatch(r"([^#]*)#?(.*)", link).groups())
+                 for page, text in readme.pages().items() for link in re.findall(r"\]\(([^)]+)\)", text)]
+        self.assertGreater(len(links), 40)
+        for page, file, heading in links:
+            path = (page.parent / file).resolve() if file else page
+            self.assertTrue(path.exists(), f"{page.name}: {file}")
+            if heading:
+                self.assertIn(heading, self.headings(path), f"{page.name}: {file}#{heading}")
+
+    def test_readme_leads_to_every_page(self):
+        links = set(re.findall(r"\]\((doc/[^)#]+)", readme.pages()[PACKAGE / "README.md"]))
+        self.assertEqual(links, {f"doc/{path.name}" for path in (PACKAGE / "doc").glob("*.md")})
 
     def test_named_paths_exist(self):
         paths = re.findall(r"`((?:test|config|src|msg|srv|launch|include)/[\w./]*)`", self.text)

@@ -3,7 +3,7 @@
 #pragma once
 
 /// The lines that a robot controller and the robot server send each other; no ROS, no socket.
-/// README.md has the protocol.
+/// doc/robot_server.md has the protocol.
 
 #include "planar_bin_picking/base/types.h"
 #include "planar_bin_picking/robot/orientation.h"
