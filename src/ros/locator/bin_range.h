@@ -5,7 +5,7 @@
 /// A cell's bin as the camera sees it: how near and how far it reaches, and how much lies in it.
 
 #include "locator/answer/answer.h"
-#include "locator/cell_params.h"
+#include "locator/settings/cell_params.h"
 #include "planar_bin_picking/bin/floor_cover.h"
 
 #include <Eigen/Geometry>

@@ -4,7 +4,7 @@
 
 /// Status and message of a call that got as far as looking at the image.
 
-#include "locator/cell_params.h"
+#include "locator/settings/cell_params.h"
 #include "planar_bin_picking/bin/floor_cover.h"
 #include "planar_bin_picking/locate/locate_request.h"
 

@@ -4,8 +4,8 @@
 
 #include "locator/bin_range.h"
 #include "locator/conclusion.h"
-#include "locator/load_params.h"
 #include "locator/plane_frame.h"
+#include "locator/settings/load_params.h"
 #include "planar_bin_picking/image/camera_file.h"
 #include "shared/convert_camera.h"
 #include "shared/names.h"

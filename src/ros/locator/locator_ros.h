@@ -11,10 +11,10 @@
 
 #include "input/image_source.h"
 #include "locator/answer/answer_publisher.h"
-#include "locator/cell_params.h"
 #include "locator/health/health.h"
 #include "locator/parts/part_services.h"
 #include "locator/pick_keeper.h"
+#include "locator/settings/cell_params.h"
 #include "locator/snapshot/snapshot_keeper.h"
 #include "locator/view_services.h"
 #include "planar_bin_picking/locate/locator.h"

@@ -5,7 +5,7 @@
 /// The plane that parts lie on, from a frame that tf knows, and whether parts on it can be where
 /// they are looked for.
 
-#include "locator/cell_params.h"
+#include "locator/settings/cell_params.h"
 #include "planar_bin_picking/locate/locator.h"
 
 #include <Eigen/Geometry>

@@ -6,8 +6,8 @@
 /// more than one picture.
 
 #include "input/image_source.h"
-#include "locator/cell_params.h"
 #include "locator/pick_keeper.h"
+#include "locator/settings/cell_params.h"
 #include "locator/views/view_keeper.h"
 #include "planar_bin_picking/locate/params.h"
 #include "planar_bin_picking/views/look.h"

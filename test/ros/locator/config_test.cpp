@@ -5,8 +5,8 @@
 
 #include "calibrator/calibrator_params.h"
 #include "hdr/hdr_node_params.h"
-#include "locator/load_params.h"
 #include "locator/parts/part_library.h"
+#include "locator/settings/load_params.h"
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>

@@ -4,7 +4,7 @@
 
 /// The locator's ROS parameters -> parameter structs.
 
-#include "locator/cell_params.h"
+#include "locator/settings/cell_params.h"
 #include "planar_bin_picking/locate/params.h"
 #include "planar_bin_picking/pick/pick_policy.h"
 

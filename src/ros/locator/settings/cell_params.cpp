@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locator/cell_params.h"
+#include "locator/settings/cell_params.h"
 
 #include "planar_bin_picking/locate/locator.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locator/load_params.h"
+#include "locator/settings/load_params.h"
 
 #include "shared/names.h"
 #include "shared/param_reader.h"
