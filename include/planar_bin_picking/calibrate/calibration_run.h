@@ -68,9 +68,9 @@ class CalibrationRun {
     kNoPose,    ///< no pose is left that the limits allow and from which the board is surely seen
   };
 
-  /// @param problem  with the observations of an earlier run, which this one adds to, or without
-  /// any
-  /// @param start    flange pose from which the board is seen
+  /// @param problem       with the observations of an earlier run, which this one adds to, or
+  ///                      without any
+  /// @param T_base_start  flange pose from which the board is seen
   /// @throws std::invalid_argument  bad params or problem; the limits do not allow the start: why
   CalibrationRun(const HandEyeProblem& problem, const HandEyeParams& solver,
                  const RunParams& params, const Eigen::Isometry3d& T_base_start);

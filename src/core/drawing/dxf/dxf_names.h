@@ -14,12 +14,12 @@ namespace planar_bin_picking {
 /// Turns a file's names into UTF-8.
 class DxfNames {
  public:
-  /// @param code_page  $DWGCODEPAGE, such as ANSI_1252; may be empty
-  /// @param version    $ACADVER; from AC1021 on files are UTF-8
+  /// @param code_page  the header's DWGCODEPAGE, such as ANSI_1252; may be empty
+  /// @param version    the header's ACADVER; from AC1021 on files are UTF-8
   DxfNames(std::string_view code_page, std::string_view version);
   DxfNames() : DxfNames({}, {}) {}
 
-  /// UTF-8, with \U+XXXX and \M+NXXXX resolved. Bytes that mean nothing become '?'.
+  /// UTF-8, with `\U+XXXX` and `\M+NXXXX` resolved. Bytes that mean nothing become '?'.
   std::string decode(std::string_view bytes) const;
 
  private:
