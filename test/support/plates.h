@@ -97,16 +97,22 @@ inline std::shared_ptr<const PartModel> makePart(const std::string& name, const 
   return std::make_shared<const PartModel>(file);
 }
 
-inline Camera makeCamera(const sim::PinholeCamera& camera) {
+/// @param lens  of a simulated camera, however its distortion is called
+template <class Lens, class Distortion>
+Camera makeCamera(const Lens& lens, const Distortion& distortion) {
   Camera::Model model;
-  model.width = camera.width;
-  model.height = camera.height;
-  model.fx = camera.fx;
-  model.fy = camera.fy;
-  model.cx = camera.cx;
-  model.cy = camera.cy;
-  model.distortion.assign(camera.lens.begin(), camera.lens.end());
+  model.width = lens.width;
+  model.height = lens.height;
+  model.fx = lens.fx;
+  model.fy = lens.fy;
+  model.cx = lens.cx;
+  model.cy = lens.cy;
+  model.distortion.assign(distortion.begin(), distortion.end());
   return Camera(model);
+}
+
+inline Camera makeCamera(const sim::PinholeCamera& camera) {
+  return makeCamera(camera, camera.lens);
 }
 
 /// A scene with one plate in it.
