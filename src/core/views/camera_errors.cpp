@@ -7,10 +7,12 @@
 namespace planar_bin_picking {
 namespace {
 
-/// What no robot and no calibration is better than; also keeps the covariance invertible.
-constexpr double kLeastMetres = 2e-6;
-/// What a view's edges are off all alike: a robot of no error shows it on simulated heaps.
-constexpr double kViewPx = 0.15;
+/// What a view's edges are off all alike, because light falls on broken edges from one side: as far
+/// as one view's edge offset is from another's (joint_pose.cpp). It shows as a camera that is
+/// shifted by as much, however many pixels the picture has.
+constexpr double kLeastMetres = 0.03e-3;
+/// And by blur and noise, as one that is turned by a part of a pixel.
+constexpr double kLeastPx = 0.05;
 
 Matrix6d squares(double metres, double degrees, double least_metres, double least_radians) {
   const double radians = degrees * EIGEN_PI / 180.0;
@@ -34,7 +36,7 @@ Eigen::MatrixXd correctionCovariance(const std::vector<Eigen::Isometry3d>& T_fir
                                      const ViewsParams& params, double focal_px) {
   const auto n = static_cast<Eigen::Index>(T_first_view.size());
   const Matrix6d robot =
-      squares(params.robot_sigma, params.robot_sigma_deg, kLeastMetres, kViewPx / focal_px);
+      squares(params.robot_sigma, params.robot_sigma_deg, kLeastMetres, kLeastPx / focal_px);
   const Matrix6d hand_eye = squares(params.hand_eye_sigma, params.hand_eye_sigma_deg, 0.0, 0.0);
   // c = (1 - Ad(T^-1)) x - Ad(T^-1) e_first + e_view, to first order.
   Eigen::MatrixXd by_hand_eye(6 * n, 6), by_first(6 * n, 6);

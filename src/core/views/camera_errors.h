@@ -20,8 +20,7 @@ Matrix6d adjoint(const Eigen::Isometry3d& T);
 
 /// Covariance of the corrections c of all views but the first, T_first_view * exp(c), six each;
 /// metres and radians.
-/// @param focal_px  light and shadow move all edges of a view alike, which shows as a camera that
-///                  is turned by a part of a pixel
+/// @param focal_px  a part of a pixel by which all edges of a view are off alike is a turn, too
 Eigen::MatrixXd correctionCovariance(const std::vector<Eigen::Isometry3d>& T_first_view,
                                      const ViewsParams& params, double focal_px);
 

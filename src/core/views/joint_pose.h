@@ -53,6 +53,15 @@ struct JointPose {
   std::vector<int> used;  ///< by view: points with a weight
 };
 
+/// T_first_centre of the face. The edges that are seen run down a broken edge, whose slope is 45
+/// degrees: they lie as far below the face as inside the drawn outline.
+Eigen::Isometry3d facePose(const JointState& state, Face face, double radius);
+
+/// What no number of views and pixels is better than, of xi with its translation in radii: where on
+/// a broken edge its image lies, by which light and shadow also move a whole part aside.
+/// @param depth  of the part in the first view, metres
+Matrix6d leastCovariance(double radius, double depth, double focal_px);
+
 /// T_view_centre of view k.
 Eigen::Isometry3d viewPose(const JointState& state, const std::vector<ViewPtr>& views,
                            std::size_t k);

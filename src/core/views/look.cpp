@@ -20,7 +20,8 @@ namespace {
 constexpr double kInPicture = 0.6, kBorderPx = 10.0;
 /// Inlier scores: of a pose that fits a view; and what it may have less than the view's own best.
 constexpr double kFits = 0.45, kWorse = 0.12;
-/// From this on, a pose of one view alone is one that has been seen, not one that chance made.
+/// From this on, a pose that nobody has named is one that has been seen, not one that chance made:
+/// of one view alone, and of all views where they contradict what was known.
 constexpr double kClear = 0.65;
 /// With less of the outline than kFits and more than this, something is in front of the part.
 constexpr double kHidden = 0.3;
@@ -206,18 +207,19 @@ void Looker::judge(const Detection& known, const std::vector<ViewPtr>& views, co
   const double radius = seen.part.solid.radius;
   const Fit& fit = seen.fit;
   out->seen = std::max(fit.scores.back(), seen.own.back());
+  const Matrix6d covariance = inMetres(fit.pose.covariance, radius);
+  const Eigen::Isometry3d T = facePose(fit.pose.state, known.face, radius);
+  const bool another = isAnother(known, seen.T_known, T, covariance, radius);
+  const double enough = another ? kClear : kFits;
   bool fits = fit.pose.chi_squared < kChiSquared * std::max(1, fit.pose.freedom);
   for (std::size_t k = 0; k < views.size(); ++k)
-    fits = fits && fit.scores[k] > kFits && fit.scores[k] > seen.own[k] - kWorse;
-  const auto place = [&](const Eigen::Isometry3d& T_first_centre, const Matrix6d& covariance) {
+    fits = fits && fit.scores[k] > enough && fit.scores[k] > seen.own[k] - kWorse;
+  const auto place = [&](const Eigen::Isometry3d& T_first_centre, const Matrix6d& uncertainty) {
     out->detection.T_camera_part = T_first_centre * seen.part.T_part_centre.inverse();
-    out->detection.covariance = covariance;
+    out->detection.covariance = uncertainty;
     setMoved(seen.T_known, T_first_centre, out);
   };
   if (fits) {
-    const Matrix6d covariance = inMetres(fit.pose.covariance, radius);
-    const Eigen::Isometry3d& T = fit.pose.state.T_first_centre;
-    const bool another = isAnother(known, seen.T_known, T, covariance, radius);
     out->status = another ? LookStatus::kCorrected : LookStatus::kConfirmed;
     place(T, covariance);
     out->detection.views = static_cast<int>(views.size());
@@ -237,7 +239,7 @@ void Looker::judge(const Detection& known, const std::vector<ViewPtr>& views, co
     place(views.back()->T_first_this() * own.T_camera_centre, inMetres(own.covariance, radius));
     out->text = text("seen in either view, but %.2f mm and %.2f degrees apart: locate again",
                      1e3 * out->moved, out->moved_rad * 180.0 / EIGEN_PI);
-  } else if (fit.scores.back() > kHidden && fit.scores.back() < kFits &&
+  } else if (!another && fit.scores.back() > kHidden && fit.scores.back() < kFits &&
              fit.scores.front() > kFits) {
     out->status = LookStatus::kNotSeen;
     out->text = text(

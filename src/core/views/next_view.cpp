@@ -168,7 +168,10 @@ std::optional<Matrix6d> predicted(const SeenPart& seen, const Detection& known,
     H.topLeftCorner<6, 6>() +=
         Units(radius).toRadii(known.covariance).ldlt().solve(Matrix6d::Identity());
   }
-  return Matrix6d(H.ldlt().solve(Eigen::Matrix<double, 8, 8>::Identity()).topLeftCorner<6, 6>());
+  const Eigen::Matrix<double, 8, 8> covariance =
+      H.ldlt().solve(Eigen::Matrix<double, 8, 8>::Identity());
+  return Matrix6d(covariance.topLeftCorner<6, 6>() +
+                  leastCovariance(radius, T_first_centre.translation().z(), camera.model().fx));
 }
 
 }  // namespace

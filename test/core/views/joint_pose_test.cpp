@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "views/joint_pose.h"
 
+#include "support/looked_bracket.h"
 #include "support/matchers.h"
-#include "support/orbit.h"
 #include "views/camera_errors.h"
 
 #include <gtest/gtest.h>
@@ -11,18 +11,10 @@
 namespace planar_bin_picking {
 namespace {
 
-const sim::PinholeCamera kPinhole;
-const sim::Lie kLie{20, -10, 600, 30, 12, 60};
-const auto kBracket = makePart("bracket", bracketPlate());
-
 std::vector<ViewPtr> twoViews() {
-  const Eigen::Isometry3d T = orbit({0.02, -0.01, 0.6}, 35, 70);
-  std::vector<ViewPtr> views;
-  for (const auto& at : {Eigen::Isometry3d(Eigen::Isometry3d::Identity()), T}) {
-    views.push_back(std::make_shared<const View>(
-        pictureFrom(kPinhole, sceneOf(bracketPlate(), kLie), at, 1), makeCamera(kPinhole), at));
-  }
-  return views;
+  const sim::Scene scene = bracketAt(sim::poseOf(kLie));
+  return {viewOf(scene, Eigen::Isometry3d::Identity(), 1),
+          viewOf(scene, orbit({0.02, -0.01, 0.6}, 35, 70), 1)};
 }
 
 JointState stateAt(const Eigen::Isometry3d& T) { return {T, {{}, {}}, {0.0, 0.0}}; }
@@ -69,6 +61,12 @@ TEST(JointPose, RowsFollowPoseAndCorrection) {
     EXPECT_TRUE(J.transpose().isApprox(numeric.leftCols<6>(), 1e-4));
     EXPECT_TRUE((J.transpose() * stepByCorrection(viewPose(state, views, 1), r))
                     .isApprox(numeric.rightCols<6>(), 1e-4));
+    // Farther inside by the edge offset, the outline's image moves against its normal.
+    constexpr double kInside = 1e-4;
+    PosedPoint inside;
+    ASSERT_TRUE(posePoint(views[1]->camera(), inward({seen.coarse[i]}, kInside).front(), r,
+                          viewPose(state, views, 1), &inside));
+    EXPECT_NEAR(at.normal.dot(inside.pixel - at.pixel) / kInside, -at.out_px, 1e-3 * at.out_px);
   }
 }
 
@@ -84,6 +82,28 @@ TEST(JointPose, ComesBackFromAFewPixels) {
   EXPECT_EQ(pose.used.size(), 2u);
   EXPECT_EQ(pose.freedom, 8);
   EXPECT_LT(pose.chi_squared, 16.0);
+}
+
+TEST(JointPose, TheFaceLiesAboveItsBrokenEdges) {
+  JointState state = stateAt(sim::poseOf(kLie));
+  const double r = 0.05;
+  state.offsets = {0.1e-3 / r, 0.3e-3 / r};
+  const auto height = [&](Face face) {
+    return (state.T_first_centre.inverse() * facePose(state, face, r)).translation().z();
+  };
+  EXPECT_NEAR(height(Face::kFront), 0.2e-3, 1e-9);
+  EXPECT_NEAR(height(Face::kBack), -0.2e-3, 1e-9);
+  state.offsets = {-0.1e-3 / r, 0.0};
+  EXPECT_EQ(height(Face::kFront), 0.0);
+}
+
+/// Of robots, pixels and views that are as good as can be, the edge's break is left.
+TEST(JointPose, NothingIsBetterThanTheBreak) {
+  const Matrix6d C = leastCovariance(0.05, 0.6, 4000.0);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(0.05 * std::sqrt(C(i, i)), 0.043e-3, 0.001e-3);
+  for (int i = 3; i < 6; ++i) EXPECT_NEAR(std::sqrt(C(i, i)), 0.02 * 0.6 / (4000.0 * 0.05), 1e-9);
+  const Matrix6d coarse = leastCovariance(0.05, 0.6, 400.0);
+  EXPECT_NEAR(std::sqrt(coarse(5, 5)), 10.0 * std::sqrt(C(5, 5)), 1e-9);
 }
 
 /// Against what as many shaken robots do.

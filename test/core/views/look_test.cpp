@@ -5,8 +5,8 @@
 #include "base/plane_pose.h"
 #include "part/outline_view.h"
 #include "planar_bin_picking/locate/locator.h"
+#include "support/looked_bracket.h"
 #include "support/matchers.h"
-#include "support/orbit.h"
 
 #include <gtest/gtest.h>
 
@@ -15,10 +15,6 @@
 namespace planar_bin_picking {
 namespace {
 
-const sim::PinholeCamera kPinhole;
-const sim::Lie kLie{20, -10, 600, 30, 12, 60};
-const auto kBracket = makePart("bracket", bracketPlate());
-const Eigen::Vector3d kCentre = sim::poseOf(kLie) * Eigen::Vector3d(0.007, -0.004, 0.0);
 /// As good a robot as the pictures of these tests are drawn.
 const LocatorParams kExact = [] {
   LocatorParams params;
@@ -27,34 +23,20 @@ const LocatorParams kExact = [] {
   return params;
 }();
 
-sim::Scene bracketAt(const Eigen::Isometry3d& T_first_part) {
-  sim::Scene scene = sceneOf(bracketPlate(), kLie);
-  scene.plates[0].T_camera_part = T_first_part;
-  return scene;
-}
-
-ViewPtr viewOf(const sim::Scene& scene, const Eigen::Isometry3d& T_first_this, int seed,
-               const Eigen::Isometry3d* T_said = nullptr) {
-  return std::make_shared<const View>(pictureFrom(kPinhole, scene, T_first_this, seed),
-                                      makeCamera(kPinhole), T_said ? *T_said : T_first_this);
-}
-
-/// As the first view tells it alone.
-Detection knownAt(const Eigen::Isometry3d& T_first_part) {
-  Detection known;
-  known.T_camera_part = T_first_part;
-  known.face = faceOf(T_first_part);
-  known.score = 0.9;
-  known.covariance.diagonal() << 1e-8, 1e-8, 1e-6, 1e-4, 1e-4, 1e-6;
-  return known;
-}
-
 class LookAgain : public testing::Test {
  protected:
   Eigen::Isometry3d truth_ = sim::poseOf(kLie);
   Eigen::Isometry3d T_first_second_ = orbit(kCentre, 30, 20);
   ViewPtr first_ = viewOf(bracketAt(truth_), Eigen::Isometry3d::Identity(), 1);
   ViewPtr second_ = viewOf(bracketAt(truth_), T_first_second_, 2);
+
+  /// With a plate in front of it, from its left up to there.
+  sim::Scene coveredTo(double x_mm) const {
+    sim::Scene scene = bracketAt(truth_);
+    scene.plates.push_back(scene.plates[0]);
+    scene.plates[1].plate = {rectangle(-100, -60, x_mm, 60), {}, {}, 0.0};
+    return scene;
+  }
 
   LookResult look(const Eigen::Isometry3d& known, const ViewPtr& view) const {
     return Looker(kExact).look(knownAt(known), *kBracket, {first_, view});
@@ -79,6 +61,35 @@ TEST_F(LookAgain, ConfirmsWhatIsThere) {
   EXPECT_GT(result.seen, 0.8);
   EXPECT_LT(depthSigma(result.detection), 0.5 * depthSigma(alone.detections[0]));
   EXPECT_LT(result.moved, 2e-3);
+}
+
+/// Its edges are seen as far below the face as inside the drawn outline.
+TEST_F(LookAgain, FindsTheFaceAboveBrokenEdges) {
+  constexpr double kBreakMm = 0.15;
+  const double d = kBreakMm;
+  sim::Scene scene = bracketAt(truth_ * Eigen::Translation3d(0.0, 0.0, -1e-3 * kBreakMm));
+  scene.plates[0].plate = {{{-33 + d, -29 + d},
+                            {47 - d, -29 + d},
+                            {47 - d, -9 - d},
+                            {-3 - d, -9 - d},
+                            {-3 - d, 21 - d},
+                            {-33 + d, 21 - d}},
+                           {circle(-18, 6, 6 + d, true), circle(32, -19, 4 + d, true)},
+                           {},
+                           0.0};
+  Detection known = knownAt(truth_);
+  known.edge_offset = 1e-3 * kBreakMm;
+  double depth = 0.0;
+  constexpr int kLooks = 4;
+  for (int i = 0; i < kLooks; ++i) {
+    const auto result = Looker(kExact).look(known, *kBracket,
+                                            {viewOf(scene, Eigen::Isometry3d::Identity(), 10 + i),
+                                             viewOf(scene, T_first_second_, 20 + i)});
+    ASSERT_EQ(result.status, LookStatus::kConfirmed) << result.text;
+    EXPECT_NEAR(result.detection.edge_offset, 1e-3 * kBreakMm, 0.05e-3);
+    depth += (truth_.inverse() * result.detection.T_camera_part).translation().z() / kLooks;
+  }
+  EXPECT_NEAR(depth, 0.0, 0.06e-3);
 }
 
 TEST_F(LookAgain, FindsAPartInAnotherDepth) {
@@ -140,11 +151,22 @@ TEST_F(LookAgain, SaysWhatIsNotSeen) {
   EXPECT_EQ(outside.status, LookStatus::kNotSeen) << outside.text;
   EXPECT_NE(outside.text.find("outline"), std::string::npos);
   EXPECT_TRUE(isometryNear(outside.detection.T_camera_part, truth_, 1e-12, 1e-12));
-  sim::Scene hidden = bracketAt(truth_);
-  hidden.plates.push_back(hidden.plates[0]);
-  hidden.plates[1].plate = {rectangle(-100, -60, 14, 60), {}, {}, 0.0};
-  const auto covered = look(truth_, viewOf(hidden, T_first_second_, 3));
+  const auto covered = look(truth_, viewOf(coveredTo(14), T_first_second_, 3));
   EXPECT_EQ(covered.status, LookStatus::kNotSeen) << covered.text;
+}
+
+/// What bears out a pose that was known is too little for another one.
+TEST_F(LookAgain, ACoveredPartIsNotCorrected) {
+  Eigen::Isometry3d deep = truth_;
+  deep.translation() *= 1.0 + 0.008 / kCentre.norm();
+  const ViewPtr half = viewOf(coveredTo(-8), T_first_second_, 3);
+  const auto right = look(truth_, half);
+  EXPECT_EQ(right.status, LookStatus::kConfirmed) << right.text;
+  EXPECT_LT(right.seen, 0.65);
+  const auto wrong = look(deep, half);
+  EXPECT_EQ(wrong.status, LookStatus::kContradicted) << wrong.text;
+  const auto less = look(deep, viewOf(coveredTo(14), T_first_second_, 3));
+  EXPECT_EQ(less.status, LookStatus::kContradicted) << less.text;
 }
 
 /// As when the camera's place is taken from tf at another time than the picture's.

@@ -4,7 +4,7 @@
 
 #include "planar_bin_picking/views/look.h"
 
-#include "support/orbit.h"
+#include "support/looked_bracket.h"
 
 #include <gtest/gtest.h>
 
@@ -13,25 +13,11 @@
 namespace planar_bin_picking {
 namespace {
 
-const sim::PinholeCamera kPinhole;
-const sim::Lie kLie{20, -10, 600, 30, 12, 60};
-const auto kBracket = makePart("bracket", bracketPlate());
-const Eigen::Vector3d kCentre = sim::poseOf(kLie) * Eigen::Vector3d(0.007, -0.004, 0.0);
-
-ViewPtr viewFrom(const Eigen::Isometry3d& T_first_this, int seed) {
-  return std::make_shared<const View>(
-      pictureFrom(kPinhole, sceneOf(bracketPlate(), kLie), T_first_this, seed),
-      makeCamera(kPinhole), T_first_this);
-}
-
 LookResult look(const LocatorParams& params, const Eigen::Isometry3d& known) {
-  Detection detection;
-  detection.T_camera_part = known;
-  detection.face = faceOf(known);
-  detection.covariance.diagonal() << 1e-8, 1e-8, 1e-6, 1e-4, 1e-4, 1e-6;
+  const sim::Scene scene = bracketAt(sim::poseOf(kLie));
   return Looker(params).look(
-      detection, *kBracket,
-      {viewFrom(Eigen::Isometry3d::Identity(), 1), viewFrom(orbit(kCentre, 30, 20), 2)});
+      knownAt(known), *kBracket,
+      {viewOf(scene, Eigen::Isometry3d::Identity(), 1), viewOf(scene, orbit(kCentre, 30, 20), 2)});
 }
 
 TEST(ViewKeys, EachCounts) {
