@@ -16,6 +16,16 @@ inline const auto kBracket = makePart("bracket", bracketPlate());
 /// Of its outline, in the first view's frame.
 inline const Eigen::Vector3d kCentre = sim::poseOf(kLie) * Eigen::Vector3d(0.007, -0.004, 0.0);
 
+/// With all edges so much farther in the material.
+inline sim::Plate smallerBracket(double mm) {
+  const sim::Plate drawn = bracketPlate();
+  sim::Plate plate{{}, {circle(-18, 6, 6 + mm, true), circle(32, -19, 4 + mm, true)}, {}, 0.0};
+  const double x[] = {mm, -mm, -mm, -mm, -mm, mm}, y[] = {mm, mm, -mm, -mm, -mm, -mm};
+  for (std::size_t i = 0; i < drawn.outer.size(); ++i)
+    plate.outer.push_back({drawn.outer[i].x() + x[i], drawn.outer[i].y() + y[i]});
+  return plate;
+}
+
 inline sim::Scene bracketAt(const Eigen::Isometry3d& T_first_part) {
   sim::Scene scene = sceneOf(bracketPlate(), kLie);
   scene.plates[0].T_camera_part = T_first_part;

@@ -136,6 +136,14 @@ TEST_F(LocateViews, RefusesWhatIsNoView) {
   EXPECT_TRUE(refused(posed("position: [0, 0, 0]\n"), {"orientation"}));
   EXPECT_TRUE(refused(posed("position: [0, 0, 0]\norientation: [0, 0, 0, 1]\npose: 1\n"),
                       {"pose", "unknown"}));
+  const std::string small = dir_.write(
+      "small.yaml",
+      "image_width: 600\nimage_height: 500\ncamera_name: drawn\n"
+      "camera_matrix: {rows: 3, cols: 3, data: [850.0, 0, 302.1, 0, 848.0, 246.4, 0, 0, 1]}\n"
+      "distortion_model: plumb_bob\n"
+      "distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}\n");
+  EXPECT_TRUE(refused(first_ + " --view " + picture + " " + small + " " + dir_.path("left.yaml"),
+                      {"1200 x 1000", "600 x 500"}));
   EXPECT_TRUE(
       refused(first_ + " --view none.png " + camera_ + " " + dir_.path("left.yaml"), {"none.png"}));
   EXPECT_TRUE(refused(first_ + good + " --overlay " + picture, {"left.png", "is what is read"}));

@@ -84,6 +84,22 @@ TEST(JointPose, ComesBackFromAFewPixels) {
   EXPECT_LT(pose.chi_squared, 16.0);
 }
 
+/// Light makes another one from each side.
+TEST(JointPose, EachViewHasItsOwnEdgeOffset) {
+  const Eigen::Isometry3d T = sim::poseOf(kLie), T_view = orbit(kCentre, 35, 70);
+  sim::Scene less = bracketAt(T), more = bracketAt(T);
+  less.plates[0].plate = smallerBracket(0.05);
+  more.plates[0].plate = smallerBracket(0.20);
+  const std::vector<ViewPtr> views = {viewOf(less, Eigen::Isometry3d::Identity(), 1),
+                                      viewOf(more, T_view, 2)};
+  const SeenPart seen(*kBracket, Face::kFront, {});
+  const JointAlignment alignment(seen, views, 0.12e-3, {});
+  const JointPose pose = alignment.align(alignment.startAt(T * seen.T_part_centre));
+  const double r = kBracket->radius();
+  EXPECT_NEAR(r * pose.state.offsets[0], 0.05e-3, 0.06e-3);
+  EXPECT_NEAR(r * pose.state.offsets[1], 0.20e-3, 0.06e-3);
+}
+
 TEST(JointPose, TheFaceLiesAboveItsBrokenEdges) {
   JointState state = stateAt(sim::poseOf(kLie));
   const double r = 0.05;

@@ -66,17 +66,8 @@ TEST_F(LookAgain, ConfirmsWhatIsThere) {
 /// Its edges are seen as far below the face as inside the drawn outline.
 TEST_F(LookAgain, FindsTheFaceAboveBrokenEdges) {
   constexpr double kBreakMm = 0.15;
-  const double d = kBreakMm;
   sim::Scene scene = bracketAt(truth_ * Eigen::Translation3d(0.0, 0.0, -1e-3 * kBreakMm));
-  scene.plates[0].plate = {{{-33 + d, -29 + d},
-                            {47 - d, -29 + d},
-                            {47 - d, -9 - d},
-                            {-3 - d, -9 - d},
-                            {-3 - d, 21 - d},
-                            {-33 + d, 21 - d}},
-                           {circle(-18, 6, 6 + d, true), circle(32, -19, 4 + d, true)},
-                           {},
-                           0.0};
+  scene.plates[0].plate = smallerBracket(kBreakMm);
   Detection known = knownAt(truth_);
   known.edge_offset = 1e-3 * kBreakMm;
   double depth = 0.0;
@@ -131,6 +122,7 @@ TEST_F(LookAgain, TellsAPartThatMoved) {
     const auto result = look(truth_, viewOf(bracketAt(moved), T_first_second_, 3));
     EXPECT_EQ(result.status, LookStatus::kMoved) << result.text;
     EXPECT_NEAR(result.moved, 3e-3, 1.5e-3);  // the new view alone says little of its depth
+    EXPECT_GT(result.seen, 0.7);
     EXPECT_TRUE(isometryNear(result.detection.T_camera_part, moved, 1.5e-3, 2 * kDegrees));
   }
 }
@@ -139,6 +131,7 @@ TEST_F(LookAgain, ContradictsWhatIsNotThere) {
   sim::Scene empty;
   const auto result = look(truth_, viewOf(empty, T_first_second_, 3));
   EXPECT_EQ(result.status, LookStatus::kContradicted) << result.text;
+  EXPECT_LT(result.seen, 0.3);
   Eigen::Isometry3d far = truth_;
   far.translation().x() += 0.02;
   EXPECT_EQ(look(far, second_).status, LookStatus::kContradicted);
