@@ -40,7 +40,7 @@ struct Board {
   bool operator!=(const Board& other) const { return !(*this == other); }
 };
 
-/// @throws std::invalid_argument  fewer than 2 x 2 or more than 100 x 100 inner corners, or a
+/// @throws std::invalid_argument  fewer than 3 x 3 or more than 100 x 100 inner corners, or a
 /// square
 ///         that is not between 0.1 mm and 10 m, or markers that do not fit into it: which, and what
 ///         it was

@@ -19,9 +19,12 @@ void validate(const Board& board) {
     text << "board: " << what << " is " << value << ", must be " << expected;
     throw std::invalid_argument(text.str());
   };
-  const std::string corners = "2 .. 100 inner corners (one less than there are squares)";
-  if (board.cols < 2 || board.cols > 100) refuse("cols", board.cols, corners);
-  if (board.rows < 2 || board.rows > 100) refuse("rows", board.rows, corners);
+  // OpenCV's detectors find no board with fewer, and four corners say too little of its tilt.
+  constexpr int kFewestCorners = 3, kMostCorners = 100;
+  const std::string corners = "3 .. 100 inner corners (one less than there are squares)";
+  const auto isCount = [](int n) { return n >= kFewestCorners && n <= kMostCorners; };
+  if (!isCount(board.cols)) refuse("cols", board.cols, corners);
+  if (!isCount(board.rows)) refuse("rows", board.rows, corners);
   if (!(board.square >= 1e-4 && board.square <= 10.0)) {
     refuse("square", board.square, "0.0001 .. 10 metres");
   }

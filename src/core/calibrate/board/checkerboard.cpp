@@ -89,8 +89,7 @@ std::vector<cv::Point2f> slantedAndSmall(const cv::Mat& image, const Board& boar
   const cv::Size size(board.cols, board.rows);
   if (std::max(image.cols, image.rows) > kFineSearch) return {};
   std::vector<cv::Point2f> corners;
-  if (board.cols > 2 && board.rows > 2 &&
-      cv::findChessboardCornersSB(image, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE) &&
+  if (cv::findChessboardCornersSB(image, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE) &&
       allCrossings(image, board, corners)) {
     return corners;
   }
@@ -104,9 +103,7 @@ std::vector<cv::Point2f> slantedAndSmall(const cv::Mat& image, const Board& boar
 
 std::vector<cv::Point2f> searched(const cv::Mat& image, const Board& board) {
   const cv::Size size(board.cols, board.rows);
-  // The sector-based detector wants 3 corners a side.
-  std::vector<cv::Point2f> corners;
-  if (board.cols > 2 && board.rows > 2) corners = sectorBased(image, size);
+  std::vector<cv::Point2f> corners = sectorBased(image, size);
   if (!corners.empty() && allCrossings(image, board, corners)) return corners;
   corners = classic(image, size);
   if (!corners.empty() && allCrossings(image, board, corners)) return corners;

@@ -147,6 +147,8 @@ TEST(Checkerboard, RefusesBadInput) {
   EXPECT_TRUE(refuses([] { parseBoard("9 by 6", 0.02); }, {"9 by 6", "9x6"}));
   EXPECT_TRUE(refuses([] { parseBoard("9x6x2", 0.02); }, {"9x6x2"}));
   EXPECT_TRUE(refuses([] { parseBoard("9x1", 0.02); }, {"rows", "1", "inner corners"}));
+  EXPECT_TRUE(refuses([] { parseBoard("2x9", 0.02); }, {"cols is 2", "3 .. 100 inner corners"}));
+  EXPECT_EQ(parseBoard("3x3", 0.02).size(), 9u);
   EXPECT_TRUE(refuses([] { parseBoard("9x6", 0.0); }, {"square", "metres"}));
   EXPECT_EQ(parseBoard("9x6", 0.02).cols, 9);
   EXPECT_TRUE(refuses([] { findBoard(cv::Mat(), {9, 6, 0.02}, 3.0); }, {"empty"}));
