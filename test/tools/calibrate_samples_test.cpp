@@ -17,6 +17,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include <cstdlib>
+#include <regex>
 #include <sstream>
 
 namespace planar_bin_picking {
@@ -194,9 +195,15 @@ TEST_F(CalibrateSamples, TakesPartsOfABoardWithMarkers) {
   const std::string report = read(out() + "/report.html");
   for (const std::string& word :
        {std::string("Uncertainty map"), std::string("limit 1 mm (tolerance_mm)"),
-        std::string("with the robot&#39;s noise"), "src='" + dir_->path("part0.png")}) {
+        std::string("with the robot&#39;s noise"),
+        std::string("by sigma and tolerance_mm), refused"), std::string("black: the board"),
+        "src='" + dir_->path("part0.png")}) {
     EXPECT_NE(report.find(word), std::string::npos) << word;
   }
+  // What is copied from the page is as fine as what is in the files.
+  EXPECT_TRUE(std::regex_search(report, std::regex("fx</td><td class=n>1[34]\\d\\d\\.\\d{2,}")));
+  EXPECT_TRUE(
+      std::regex_search(report, std::regex("expected error 0\\.\\d{3} mm and 0\\.\\d{3} deg")));
   EXPECT_TRUE(refused(runTool(tool + inHand()), {"--board-file", "--square"}));
   EXPECT_TRUE(refused(runTool(tool + "--board 9x6 --square 0.02 --board-z up " + inHand()),
                       {"--board-z", "up", "number"}));

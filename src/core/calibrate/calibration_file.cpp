@@ -202,8 +202,8 @@ std::string madeOf(const HandEyeResult& result, const Made& made) {
   std::string text = "camera " + made.names.camera_name + ", calibrated " + made.date + ": " +
                      nameOf(result.verdict);
   if (!result.solved) return text;
-  return text + ", expected error " + yamlNumber(result.expected_error_mm) + " mm and " +
-         yamlNumber(result.expected_error_deg) + " deg";
+  return text + ", expected error " + yamlNumber(result.expected_error_mm, 3) + " mm and " +
+         yamlNumber(result.expected_error_deg, 3) + " deg";
 }
 
 std::string cameraInfoYaml(const HandEyeResult& result, const Made& made) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrate/calibration_report.h"
 
+#include "calibrate/hand_eye/verdict.h"
 #include "calibrate/report_plots.h"
 
 #include <algorithm>
@@ -13,9 +14,9 @@ namespace planar_bin_picking {
 namespace {
 
 void row(Page* page, const std::string& name, double value, const std::string& unit,
-         const std::string& remark) {
+         const std::string& remark, int digits = 4) {
   (*page << "<tr><td>").text(name) << "</td><td class=n>";
-  page->number(value) << " " << unit << "</td><td>" << remark << "</td></tr>\n";
+  page->number(value, digits) << " " << unit << "</td><td>" << remark << "</td></tr>\n";
 }
 
 std::string plusMinus(double sigma, const std::string& unit) {
@@ -32,23 +33,27 @@ std::string limitText(double limit, const std::string& unit, const std::string& 
   return text.str();
 }
 
+/// Digits of what other programs use: finer than any sigma.
+constexpr int kFine = 7;
+
 /// Transform and camera.
 void resultRows(const HandEyeResult& r, Page* page) {
   const auto sigma = [&r](int i) { return std::sqrt(r.covariance(i, i)); };
   const char axes[] = "xyz";
   for (int i = 0; i < 3; ++i) {
     row(page, r.transform_name + " " + axes[i], 1e3 * r.T_mount_camera.translation()[i], "mm",
-        plusMinus(1e3 * sigma(kHandEye + i), "mm, along the camera's axis"));
+        plusMinus(1e3 * sigma(kHandEye + i), "mm, along the camera's axis"), kFine);
   }
   Eigen::Quaterniond q(r.T_mount_camera.linear());
   for (int i = 0; i < 4; ++i) {
     row(page, r.transform_name + " q" + "xyzw"[i], q.coeffs()[i], "",
-        i < 3 ? plusMinus(57.29578 * sigma(kHandEye + 3 + i), "deg about the camera's axis") : "");
+        i < 3 ? plusMinus(57.29578 * sigma(kHandEye + 3 + i), "deg about the camera's axis") : "",
+        kFine);
   }
   const double intrinsics[] = {r.camera.fx, r.camera.fy, r.camera.cx, r.camera.cy};
   const char* const names[] = {"fx", "fy", "cx", "cy"};
   for (int i = 0; i < 4; ++i) {
-    row(page, names[i], intrinsics[i], "px", plusMinus(sigma(kIntrinsics + i), "px"));
+    row(page, names[i], intrinsics[i], "px", plusMinus(sigma(kIntrinsics + i), "px"), kFine);
   }
   const std::string coefficients = "k1k2p1p2k3k4k5k6";
   for (std::size_t i = 0; i < r.camera.distortion.size() && i < 8; ++i) {
@@ -94,7 +99,10 @@ void qualityRows(const HandEyeProblem& problem, const HandEyeResult& r, Page* pa
         std::string("held-out pictures, boards placed freely") +
             (trial.is_chosen ? "; chosen" : ""));
   }
-  row(page, "leave one view out", r.leave_one_out_mm, "mm", "largest move of the camera");
+  const LeaveOneOutLimits moves = leaveOneOutLimits(limits, r);
+  row(page, "leave one view out", r.leave_one_out_mm, "mm",
+      "largest move of the camera; " + limitText(moves.poor, "mm", "by sigma and tolerance_mm") +
+          ", refused " + limitText(moves.refused, "mm", "likewise"));
   row(page, "leave one view out", r.leave_one_out_deg, "deg", "");
 }
 
@@ -167,8 +175,8 @@ std::string calibrationReport(const HandEyeProblem& problem, const HandEyeResult
     residualPlot(result, &page);
     residualVectorPlot(problem, result, &page);
     uncertaintyMap(problem, result, &page);
-    posesPlot(result, 2, "Cameras about the board, from the side", &page);
-    posesPlot(result, 1, "The same from above", &page);
+    posesPlot(problem.board, result, 2, "Cameras about the board, from the side", &page);
+    posesPlot(problem.board, result, 1, "The same as the cameras see the board", &page);
     numbers(problem, result, &page);
   }
   viewTable(problem, result, &page);

@@ -94,6 +94,8 @@ void residualVectorPlot(const HandEyeProblem& problem, const HandEyeResult& r, P
       if (k < view.residuals.size()) line(page, at, at + enlarged * view.residuals[k], colour);
     }
   }
+  line(page, {4.0, kPlot - 6.0}, {4.0 + kLong, kPlot - 6.0}, "#000");
+  label(page, 8.0 + kLong, kPlot - 3.0, shortNumber(kLong / enlarged) + " px");
   (*page << "</svg><figcaption>Corners in the image with their residuals, enlarged ")
           .number(enlarged / scale, 3)
       << " times; grey: not used</figcaption></figure>\n";
@@ -134,36 +136,51 @@ void uncertaintyMap(const HandEyeProblem& problem, const HandEyeResult& r, Page*
       << " mm, blue: " << shortNumber(*least) << " mm</figcaption></figure>\n";
 }
 
-/// The camera about the board: from above, and from the side.
-void posesPlot(const HandEyeResult& r, int across, const char* caption, Page* page) {
-  double reach = 1e-3;
-  std::vector<std::pair<Eigen::Isometry3d, std::size_t>> cameras;
+void posesPlot(const Board& board, const HandEyeResult& r, int across, const char* caption,
+               Page* page) {
+  std::vector<Eigen::Vector2d> points;  // in the drawing's plane, metres
+  const auto flat = [across](const Eigen::Vector3d& p) {
+    return Eigen::Vector2d(p.x(), p[across]);
+  };
+  const double right = board.square * board.cols, down = board.square * board.rows;
+  for (const auto& [x, y] : {std::pair(-board.square, -board.square), {right, down}}) {
+    points.push_back(flat({x, y, 0.0}));
+  }
+  std::vector<std::size_t> views;
   for (std::size_t i = 0; i < r.views.size(); ++i) {
     if (!r.views[i].used) continue;
-    cameras.emplace_back(r.views[i].T_camera_board.inverse(), i);
-    reach = std::max(reach, cameras.back().first.translation().cwiseAbs().maxCoeff());
+    const Eigen::Isometry3d T_board_camera = r.views[i].T_camera_board.inverse();
+    views.push_back(i);
+    points.push_back(flat(T_board_camera.translation()));
+    // A part of the way along the optical axis.
+    points.push_back(flat(T_board_camera * Eigen::Vector3d(0.0, 0.0, 0.15 * r.working_distance)));
   }
-  const double scale = 0.45 * kPlot / reach, middle = 0.5 * kPlot;
-  const auto place = [&](const Eigen::Vector3d& p) {
-    return Eigen::Vector2d(middle + scale * p.x(), middle + scale * p[across]);
+  Eigen::Vector2d low = points[0], high = points[0];
+  for (const Eigen::Vector2d& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double scale = 0.85 * kPlot / std::max(1e-3, (high - low).maxCoeff());
+  const Eigen::Vector2d middle = 0.5 * (low + high), frame = Eigen::Vector2d::Constant(0.5 * kPlot);
+  for (Eigen::Vector2d& p : points) p = frame + scale * (p - middle);
+  *page << "<figure><svg viewBox='0 0 320 320'><rect width='320' height='320' class=f />\n";
+  const Eigen::Vector2d &near = points[0], &far = points[1];
+  line(page, near, {far.x(), near.y()}, "#000");
+  line(page, {far.x(), near.y()}, far, "#000");
+  line(page, far, {near.x(), far.y()}, "#000");
+  line(page, {near.x(), far.y()}, near, "#000");
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    dot(page, points[2 + 2 * k].x(), points[2 + 2 * k].y(), 3.0, colourOf(views[k]));
+    line(page, points[2 + 2 * k], points[3 + 2 * k], "#888");
+  }
+  const Eigen::Vector2d first = middle - frame / scale, last = middle + frame / scale;
+  const auto range = [&](const std::string& axis, int i) {
+    return "board " + axis + " " + shortNumber(first[i]) + " to " + shortNumber(last[i]) + " m";
   };
-  *page << "<figure><svg viewBox='0 0 320 320'><rect width='320' height='320' class=f />"
-           "<path d='M150 160H170M160 150V170' class=l />\n";
-  for (const auto& [T_board_camera, i] : cameras) {
-    const Eigen::Vector2d from = place(T_board_camera.translation());
-    const Eigen::Vector2d to = place(T_board_camera * Eigen::Vector3d(0.0, 0.0, 0.15 * reach));
-    dot(page, from.x(), from.y(), 3.0, colourOf(i));
-    (*page << "<path class=l d='M").number(from.x()) << " ";
-    page->number(from.y()) << "L";
-    page->number(to.x()) << " ";
-    page->number(to.y()) << "'/>\n";
-  }
-  label(page, 316.0, 316.0, "board x, m", "end");
-  label(page, 4.0, 12.0, across == 1 ? "board y, m" : "board z, m");
-  (*page << "</svg><figcaption>" << caption
-         << "; the cross is the board's corner, half the frame is ")
-          .number(reach / 0.9, 3)
-      << " m</figcaption></figure>\n";
+  label(page, 316.0, 316.0, range("x", 0), "end");
+  label(page, 4.0, 12.0, range(across == 1 ? "y" : "z", 1) + ", down");
+  *page << "</svg><figcaption>" << caption << "; black: the board, lines: where they look"
+        << "</figcaption></figure>\n";
 }
 
 }  // namespace planar_bin_picking

@@ -18,8 +18,10 @@ void residualVectorPlot(const HandEyeProblem& problem, const HandEyeResult& resu
 /// Expected error of a part's position at the working distance, over the image.
 void uncertaintyMap(const HandEyeProblem& problem, const HandEyeResult& result, Page* page);
 
-/// The camera about the board.
-/// @param across  1: from above; 2: from the side
-void posesPlot(const HandEyeResult& result, int across, const char* caption, Page* page);
+/// The cameras about the board, which is drawn as large as it is.
+/// @param across  board axis that leads down in the drawing: 1, as the cameras see the board; 2,
+/// from the side
+void posesPlot(const Board& board, const HandEyeResult& result, int across, const char* caption,
+               Page* page);
 
 }  // namespace planar_bin_picking

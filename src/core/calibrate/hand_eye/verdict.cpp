@@ -144,15 +144,13 @@ void judgeError(const HandEyeParams& params, const HandEyeResult& result, Reason
                                 "; take more views, nearer ones, more "
                                 "tilted ones");
   }
-  const double sigma_mm =
-      1e3 * std::sqrt(result.covariance.block<3, 3>(kHandEye, kHandEye).trace());
-  // By chance one view moves the camera by about a sigma. Beyond ten nothing that is stated holds.
-  const bool refused = result.leave_one_out_mm > std::max(10.0 * sigma_mm, params.tolerance_mm);
-  if (refused || result.leave_one_out_mm > std::max(3.0 * sigma_mm, 0.5 * params.tolerance_mm)) {
+  const LeaveOneOutLimits limits = leaveOneOutLimits(params, result);
+  const bool refused = result.leave_one_out_mm > limits.refused;
+  if (refused || result.leave_one_out_mm > limits.poor) {
     (refused ? reasons->refusing : reasons->limiting)
         .push_back("one view alone moves the camera by " + millimetres(result.leave_one_out_mm) +
                    " (" + result.leave_one_out_view + "; the stated sigma is " +
-                   millimetres(sigma_mm) + "); take more views, or leave this one out");
+                   millimetres(limits.sigma) + "); take more views, or leave this one out");
   }
 }
 
@@ -212,6 +210,13 @@ ExpectedError ErrorModel::of(const Eigen::MatrixXd& covariance) const {
   }
   const auto count = static_cast<double>(by_calibration_.size());
   return {std::sqrt(square_t / count), std::sqrt(square_r / count)};
+}
+
+LeaveOneOutLimits leaveOneOutLimits(const HandEyeParams& params, const HandEyeResult& result) {
+  const double sigma = 1e3 * std::sqrt(result.covariance.block<3, 3>(kHandEye, kHandEye).trace());
+  // Beyond ten sigmas nothing that is stated holds.
+  return {sigma, std::max(3.0 * sigma, 0.5 * params.tolerance_mm),
+          std::max(10.0 * sigma, params.tolerance_mm)};
 }
 
 void judge(const HandEyeProblem& problem, const HandEyeParams& params, const Findings& findings,

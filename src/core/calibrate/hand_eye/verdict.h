@@ -38,6 +38,14 @@ struct Findings {
   std::string camera_error;  ///< why the estimated lens cannot be used; "" where it can
 };
 
+/// By how much one view alone may move the camera, mm.
+struct LeaveOneOutLimits {
+  double sigma = 0.0;  ///< as stated of the camera's place; by chance a view moves it by about that
+  double poor = 0.0;   ///< more gives POOR
+  double refused = 0.0;  ///< and more than this REFUSED
+};
+LeaveOneOutLimits leaveOneOutLimits(const HandEyeParams& params, const HandEyeResult& result);
+
 /// Sets verdict and reasons from all other fields. A named mistake comes first.
 void judge(const HandEyeProblem& problem, const HandEyeParams& params, const Findings& findings,
            HandEyeResult* result);
