@@ -118,6 +118,15 @@ struct RunWorld {
     return params;
   }
 
+  /// Of a robot with six axes, or with four.
+  HandEyeParams randomSolver() {
+    std::uniform_real_distribution<double> any(0.0, 1.0);
+    HandEyeParams solver;
+    solver.four_axis = any(random) < 0.2;
+    if (solver.four_axis) solver.board_z = (cell.T_other_board * cell.centre()).z();
+    return solver;
+  }
+
   /// @return  the pose that the robot refuses
   std::optional<Eigen::Isometry3d> drive(CalibrationRun* run, RunOutcome* outcome) {
     std::uniform_real_distribution<double> chance(0.0, 1.0);
