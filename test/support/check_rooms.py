@@ -22,6 +22,7 @@ MAY_INCLUDE = {
     "drawing/dxf": {"base"},
     "drawing": {"base", "drawing/dxf"},
     "part": BELOW_PART,
+    "teach": BELOW_PART | {"part"},  # pick poses that a person sets
     "params": {"base"},
     "camera": {"base"},
     "image": BELOW_IMAGE | {"camera"},

@@ -22,7 +22,12 @@ struct PartFile {
   std::vector<PickPose> pick_poses;  ///< in order of preference
   PickTool tool;
   std::vector<std::string> warnings;  ///< about pick poses; those of the drawing stand in `drawing`
+  std::string yaml_path;              ///< its part file; empty where the drawing stands alone
 };
+
+/// What becomes of a pick pose whose z does not point into the part: no robot may go there, but who
+/// mends it has to see it.
+enum class WrongPicks { kRefused, kWarned };
 
 /// A YAML file that has nothing to do with parts, such as a result or a camera's calibration that
 /// lies in the parts folder. The text says what it seems to be.
@@ -38,7 +43,13 @@ class NoPartFile : public std::runtime_error {
 /// @throws NoPartFile          YAML that is no part file
 /// @throws std::runtime_error  naming file, key, value and remedy: unknown keys, two part files of
 ///         one stem, what is no regular file, a pick pose whose z does not point into the part
-PartFile loadPartFile(const std::string& path);
+PartFile loadPartFile(const std::string& path, WrongPicks wrong_picks = WrongPicks::kRefused);
+
+/// The pick poses that loadPartFile would read in a part file of this text.
+/// @param path  of the file, for messages
+/// @throws std::runtime_error  as loadPartFile, but for what the drawing says
+std::vector<PickPose> pickPosesIn(const std::string& text, const std::string& path,
+                                  WrongPicks wrong_picks = WrongPicks::kRefused);
 
 /// The path of the drawing that a part file names, in the form of lexically_normal(); nothing where
 /// it is no part file or cannot be read, which loadPartFile explains.

@@ -142,7 +142,10 @@ bool convert(const YAML::Node& node, std::string* value) {
 }
 
 YAML::Node loadYaml(const std::string& path) {
-  const std::string text = readRegularFile(path, kBytesMost);
+  return parseYaml(readRegularFile(path, kBytesMost), path);
+}
+
+YAML::Node parseYaml(const std::string& text, const std::string& path) {
   refuseDeepText(text, path);
   YAML::Node root;
   try {

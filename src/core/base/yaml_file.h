@@ -18,6 +18,9 @@ namespace planar_bin_picking {
 ///         within itself, too many values (aliases written out)
 YAML::Node loadYaml(const std::string& path);
 
+/// The same of a text. @param path  where it stands, for messages
+YAML::Node parseYaml(const std::string& text, const std::string& path);
+
 /// @throws std::runtime_error  as loadYaml, or not a map at its top, or one of its keys twice
 YAML::Node loadYamlMap(const std::string& path);
 

@@ -53,7 +53,7 @@ FaceFilter readFace(const YAML::Node& node, const std::string& where) {
   throwBadValue(where, "face", node, expected);
 }
 
-PickPose readPickPose(const YAML::Node& node, const std::string& where) {
+PickPose readPickPose(const YAML::Node& node, const std::string& where, WrongPicks wrong_picks) {
   if (!node.IsMap())
     throw std::runtime_error(where + ": is " + inOneLine(node) + ", must be a map");
   refuseRepeatedKeys(node, where);
@@ -78,11 +78,13 @@ PickPose readPickPose(const YAML::Node& node, const std::string& where) {
                                Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
                                   .toRotationMatrix();
   const std::string wrong = wrongDirection(pick);
-  if (!wrong.empty()) throw std::runtime_error(where + " (" + pick.name + "): " + wrong);
+  if (!wrong.empty() && wrong_picks == WrongPicks::kRefused)
+    throw std::runtime_error(where + " (" + pick.name + "): " + wrong);
   return pick;
 }
 
-std::vector<PickPose> readPickPoses(const YAML::Node& list, const std::string& path) {
+std::vector<PickPose> readPickPoses(const YAML::Node& list, const std::string& path,
+                                    WrongPicks wrong_picks) {
   if (!list.IsSequence() || list.size() > kPosesMost) {
     throwBadValue(path, "pick_poses", list,
                   "a list of at most " + std::to_string(kPosesMost) + " poses");
@@ -91,7 +93,7 @@ std::vector<PickPose> readPickPoses(const YAML::Node& list, const std::string& p
   std::set<std::string> names;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const std::string where = path + ": pick_poses[" + std::to_string(i) + "]";
-    picks.push_back(readPickPose(list[i], where));
+    picks.push_back(readPickPose(list[i], where, wrong_picks));
     if (!names.insert(picks.back().name).second) {
       throw std::runtime_error(where + ": name \"" + picks.back().name + "\" stands there twice");
     }
@@ -181,9 +183,9 @@ const std::vector<std::pair<std::string, std::string>> kOtherFiles = {
     {"child_frame", "a hand-eye transform"},
     {"verdict", "the report of a calibration"}};
 
-YAML::Node loadPartYaml(const std::string& path) {
+/// @return  the same node
+const YAML::Node& checkedPartYaml(const YAML::Node& root, const std::string& path) {
   const std::string remedy = "; a part file has the key drawing, or leave it out of the parts";
-  const YAML::Node root = loadYaml(path);
   if (!root.IsMap()) {
     const char* what = root.IsSequence() ? "it is a list" : "it has no \"key: value\" lines";
     throw NoPartFile(path + ": is no part file, " + what + remedy);
@@ -200,16 +202,17 @@ YAML::Node loadPartYaml(const std::string& path) {
   return root;
 }
 
-PartFile loadYamlPart(const fs::path& path) {
+PartFile loadYamlPart(const fs::path& path, WrongPicks wrong_picks) {
   const std::string name = path.string();
-  const YAML::Node root = loadPartYaml(name);
+  const YAML::Node root = checkedPartYaml(loadYaml(name), name);
   PartFile part;
+  part.yaml_path = name;
   const auto drawing =
       valueAs<std::string>(root["drawing"], name, "drawing", "a DXF file beside this one");
   part.thickness = readMillimetres(root, "thickness_mm", "(unknown)", name).value_or(0.0);
   part.tool.radius = readMillimetres(root, "tool_radius_mm", "(not looked at)", name);
   part.tool.height = readMillimetres(root, "tool_height_mm", "(no end)", name);
-  if (root["pick_poses"]) part.pick_poses = readPickPoses(root["pick_poses"], name);
+  if (root["pick_poses"]) part.pick_poses = readPickPoses(root["pick_poses"], name, wrong_picks);
   const DrawingParams params = readDrawingParams(root, name);
   const fs::path folder = path.parent_path(), drawing_path = folder / drawing;
   refuseOutside(drawing_path, folder, name + ": drawing " + inOneLine(root["drawing"]));
@@ -239,7 +242,7 @@ std::vector<fs::path> partFilesBeside(const fs::path& given) {
 
 }  // namespace
 
-PartFile loadPartFile(const std::string& path) {
+PartFile loadPartFile(const std::string& path, WrongPicks wrong_picks) {
   const fs::path given(path);
   const std::string remedy = "give a part's .yaml or .dxf";
   if (path.empty()) throw std::runtime_error("the path of a part is empty; " + remedy);
@@ -256,11 +259,11 @@ PartFile loadPartFile(const std::string& path) {
   }
   PartFile part;
   if (isYaml(given)) {
-    part = loadYamlPart(given);
+    part = loadYamlPart(given, wrong_picks);
   } else if (!beside.empty()) {
     refuseOutside(beside[0], folder, beside[0].string() + ":");
     refuseMissing(beside[0], beside[0].string() + ":", remedy);
-    part = loadYamlPart(beside[0]);
+    part = loadYamlPart(beside[0], wrong_picks);
   } else {
     part.drawing = loadDrawing(path);
   }
@@ -268,9 +271,16 @@ PartFile loadPartFile(const std::string& path) {
   return part;
 }
 
+std::vector<PickPose> pickPosesIn(const std::string& text, const std::string& path,
+                                  WrongPicks wrong_picks) {
+  const YAML::Node root = checkedPartYaml(parseYaml(text, path), path);
+  if (!root["pick_poses"]) return {};
+  return readPickPoses(root["pick_poses"], path, wrong_picks);
+}
+
 std::optional<std::string> drawingNamedBy(const std::string& part_file) {
   try {
-    const YAML::Node root = loadPartYaml(part_file);
+    const YAML::Node root = checkedPartYaml(loadYaml(part_file), part_file);
     std::string drawing;
     if (!root["drawing"] || !convert(root["drawing"], &drawing)) return std::nullopt;
     return (fs::path(part_file).parent_path() / drawing).lexically_normal().string();

@@ -102,6 +102,11 @@ std::vector<std::string> pickWarnings(const std::vector<PickPose>& poses, const 
                                       const Drawing& drawing, double thickness) {
   std::vector<std::string> warnings;
   for (const PickPose& pose : poses) {
+    const std::string wrong_direction = wrongDirection(pose);
+    if (!wrong_direction.empty()) {
+      warnings.push_back("pick pose " + pose.name + ": " + wrong_direction);
+      continue;  // its axis need not meet the face at all
+    }
     for (const Face face : {Face::kFront, Face::kBack}) {
       if (!appliesTo(pose, face)) continue;
       const double face_z = face == Face::kFront ? 0.0 : -thickness;

@@ -18,7 +18,8 @@ namespace planar_bin_picking {
 std::string wrongDirection(const PickPose& pose);
 
 /// @param thickness  of the part, metres; 0 where unknown
-/// @return  about poses that touch nothing but air, or more than the part has there
+/// @return  about poses that touch nothing but air, or more than the part has there, or whose
+///          direction is wrong
 std::vector<std::string> pickWarnings(const std::vector<PickPose>& poses, const PickTool& tool,
                                       const Drawing& drawing, double thickness);
 
