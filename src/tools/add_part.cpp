@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Puts a drawing into a parts folder, with a part file to begin with and a picture to look at.
-/// Exit status: 0; 2, with one line on stderr, where it is refused: the folder is as it was.
+/// Puts a drawing, or what a STEP file shows of a flat part, into a parts folder, with a part file
+/// to begin with and a picture to look at. Exit status: 0; 2, with one line on stderr, where it is
+/// refused: the folder is as it was.
 
 #include "command_line.h"
+#include "step_file.h"
 #include "write_picture.h"
 
 #include "base/yaml_text.h"
@@ -15,6 +17,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 namespace planar_bin_picking {
 namespace {
@@ -23,17 +26,18 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string drawing, folder, name, units;
-  double thickness_mm = 0.0;
+  std::optional<double> thickness_mm;
 };
 
 /// What is set, and what else can be, to be filled in.
 std::string partText(const Options& options, const PartModel& part) {
   const Eigen::Vector2d center_mm = 1e3 * part.center();
   const std::string at = yamlNumber(center_mm.x(), 1) + ", " + yamlNumber(center_mm.y(), 1);
-  const std::string thickness = yamlNumber(options.thickness_mm, 3);
+  const std::string thickness = yamlNumber(options.thickness_mm.value_or(0.0), 3);
   return "drawing: " + yamlText(options.name + ".dxf") + "\n" +
-         (options.thickness_mm > 0.0 ? "" : "# 0: unknown\n") + "thickness_mm: " + thickness +
-         "\n" + (options.units.empty() ? "" : "units: " + options.units + "\n") +
+         (options.thickness_mm.value_or(0.0) > 0.0 ? "" : "# 0: unknown\n") +
+         "thickness_mm: " + thickness + "\n" +
+         (options.units.empty() ? "" : "units: " + options.units + "\n") +
          "# Where the tool goes, the preferred one first; this is the middle of the outline. z "
          "points into the part.\n"
          "# pick_poses:\n"
@@ -84,20 +88,40 @@ void checkFree(const Options& options) {
   }
 }
 
+/// The drawing as the folder gets it.
+/// @return  what is read of it
+PartFile takeDrawing(Options* options, const fs::path& dxf) {
+  if (!isStep(options->drawing)) {
+    PartFile alone = loadPartFile(options->drawing);
+    fs::copy_file(options->drawing, dxf);
+    return alone;
+  }
+  const StepPart step = readStep(options->drawing);
+  if (!options->thickness_mm) options->thickness_mm = step.thickness_mm;
+  writeText(dxf, step.dxf);
+  try {
+    return loadPartFile(dxf.string());
+  } catch (const std::exception& error) {  // it names a file that nobody knows
+    throw std::runtime_error(options->drawing +
+                             ": the contours of its largest flat face: " + error.what());
+  }
+}
+
 int run(Options options) {
   const fs::path drawing(options.drawing);
   if (options.name.empty()) options.name = drawing.stem().string();
   if (options.name.find('/') != std::string::npos)
     throw std::invalid_argument("--name " + options.name + " has a slash in it");
+  if (isStep(options.drawing) && !options.units.empty())
+    throw std::invalid_argument("--units is for drawings; a STEP file says its own");
   checkFree(options);
   // In a folder of its own first: a file of the parts folder is read by a locator that runs.
   const Scratch scratch(options.folder);
   const fs::path dxf = scratch.path() / (options.name + ".dxf");
   const fs::path yaml = scratch.path() / (options.name + ".yaml");
   const fs::path png = scratch.path() / (options.name + ".png");
-  PartFile alone = loadPartFile(drawing.string());
+  PartFile alone = takeDrawing(&options, dxf);
   alone.thickness = 0.0;
-  fs::copy_file(drawing, dxf);
   writeText(yaml, partText(options, PartModel(std::move(alone))));
   PartModel part(loadPartFile(yaml.string()));
   if (!options.units.empty()) {  // the middle of the outline has moved with the unit
@@ -118,10 +142,13 @@ int main(int argc, char** argv) {
   using namespace planar_bin_picking;
   Options options;
   CLI::App app("Puts a drawing into a parts folder, with a part file and a picture.", "add_part");
-  app.add_option("DRAWING", options.drawing, "a .dxf file; it is copied")->required();
+  app.add_option("DRAWING", options.drawing,
+                 "a .dxf file, which is copied; or a .step or .stp file of one flat part")
+      ->required();
   app.add_option("FOLDER", options.folder, "the parts folder")->required();
   app.add_option("--name", options.name, "of the part; default: as the drawing is called");
-  app.add_option("--thickness-mm", options.thickness_mm, "of the part; default 0: unknown")
+  app.add_option("--thickness-mm", options.thickness_mm,
+                 "of the part; default: the STEP file's, or 0: unknown")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--units", options.units, "of the drawing, in place of what it says of itself")
       ->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
