@@ -12,7 +12,6 @@
 #include "shared/param_reader.h"
 #include "shared/refusal.h"
 #include "shared/timed_call.h"
-#include "shared/transforms.h"
 
 #include <ros/console.h>
 #include <std_srvs/Trigger.h>
@@ -147,6 +146,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       prompt_pnh_(onQueue(pnh, &prompt_queue_)),
       tf_buffer_(cell_.tf_gap_max),
       tf_listener_(tf_buffer_),
+      cell_frames_(cell_, tf_buffer_),
       source_(image_nh_, pnh),
       publisher_(call_pnh_, prompt_pnh_, cell_.frame_prefix),
       picks_(loadPickParams(readTree(pnh, kPickParams))),
@@ -250,12 +250,15 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   watch.lap("convert");
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
-  const auto T_target_camera = transform(answer.header.frame_id, image.frame_id, image.stamp);
-  LocateRequest locate_request = makeRequest(request, answer);
+  const auto T_target_camera =
+      cell_frames_.transform(answer.header.frame_id, image.frame_id, image.stamp);
+  LocateRequest locate_request = cell_frames_.request(image);
+  locate_request.parts = answer.parts;
+  locate_request.face = faceFilter(request.face);
   const std::string unsuitable = dropUnsuitable(answer.camera, &locate_request);
   checkPlane(locate_request, answer.camera, locator_.params().plane);
   answer.parts = locate_request.parts;
-  const PickKeeper::Frames frames = pickFrames(answer.header, T_target_camera);
+  const PickKeeper::Frames frames = cell_frames_.pickFrames(answer.header, T_target_camera);
   watch.lap("transform");
   {
     // One at a time: a call uses all cores anyway, and two would need twice the memory.
@@ -303,11 +306,12 @@ ViewServices::Host LocatorRos::viewHost() {
     return awaitFrame(request);
   };
   const auto offer_all = [this](Answer answer, const auto& T_target_camera, const auto& caller) {
-    const auto frames = pickFrames(answer.header, T_target_camera);
+    const auto frames = cell_frames_.pickFrames(answer.header, T_target_camera);
     return offer(std::move(answer), frames, {caller, 0});
   };
   return {await, [this](const auto& frame) { return cameraOf(frame); },
-          [this](const auto&... args) { return transform(args...); }, offer_all, &locate_mutex_};
+          [this](const auto&... args) { return cell_frames_.transform(args...); }, offer_all,
+          &locate_mutex_};
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {
@@ -342,50 +346,6 @@ void LocatorRos::trigger() {
       break;
   }
   throw Refusal(Response::NO_IMAGE, "the trigger " + name + why);
-}
-
-PickKeeper::Frames LocatorRos::pickFrames(const std_msgs::Header& answer,
-                                          const Eigen::Isometry3d& T_target_camera) const {
-  PickKeeper::Frames frames{T_target_camera, std::nullopt};
-  if (!cell_.hasBin()) return frames;
-  frames.bin.emplace();
-  frames.bin->T_bin_target = transform(cell_.bin_frame, answer.frame_id, answer.stamp);
-  frames.bin->min = Eigen::Vector3d(cell_.bin_min[0], cell_.bin_min[1], cell_.bin_min[2]);
-  frames.bin->max = Eigen::Vector3d(cell_.bin_max[0], cell_.bin_max[1], cell_.bin_max[2]);
-  return frames;
-}
-
-Eigen::Isometry3d LocatorRos::transform(const std::string& target, const std::string& source,
-                                        const ros::Time& stamp) const {
-  if (target == source) return Eigen::Isometry3d::Identity();
-  const LookupResult found =
-      lookup(tf_buffer_, target, source, stamp, std::chrono::duration<double>(cell_.tf_timeout));
-  if (!found.T_target_source) {
-    throw Refusal(Response::NO_TRANSFORM,
-                  "no transform from " + source + " to " + target +
-                      " at the image's stamp: " + found.reason +
-                      "; check that the robot publishes tf and the hand-eye calibration");
-  }
-  return *found.T_target_source;
-}
-
-LocateRequest LocatorRos::makeRequest(const Request& request, const Answer& answer) const {
-  const std_msgs::Header& image = answer.frame.image->header;
-  DistanceRange range{cell_.distance_min, cell_.distance_max};
-  if (cell_.hasBin()) {
-    range = distanceRange(cell_, transform(image.frame_id, cell_.bin_frame, image.stamp));
-  }
-  LocateRequest locate_request;
-  locate_request.parts = answer.parts;
-  locate_request.distance_min = range.min;
-  locate_request.distance_max = range.max;
-  locate_request.face = faceFilter(request.face);
-  locate_request.max_parts = 0;  // the pick policy cuts, after it has taken out what it refuses
-  if (!cell_.plane_frame.empty()) {
-    locate_request.plane =
-        planeOfFrame(cell_.plane_frame, transform(image.frame_id, cell_.plane_frame, image.stamp));
-  }
-  return locate_request;
 }
 
 }  // namespace planar_bin_picking_ros

@@ -11,6 +11,7 @@
 
 #include "input/image_source.h"
 #include "locator/answer/answer_publisher.h"
+#include "locator/cell_frames.h"
 #include "locator/health/health.h"
 #include "locator/parts/part_services.h"
 #include "locator/pick_keeper.h"
@@ -63,12 +64,6 @@ class LocatorRos {
   planar_bin_picking::Camera cameraOf(const Frame& frame) const;
   /// Asks for an image where images do not come of themselves. @throws Refusal  NO_IMAGE
   void trigger();
-  /// @throws Refusal  NO_TRANSFORM
-  Eigen::Isometry3d transform(const std::string& target, const std::string& source,
-                              const ros::Time& stamp) const;
-  planar_bin_picking::LocateRequest makeRequest(const Request& request, const Answer& answer) const;
-  PickKeeper::Frames pickFrames(const std_msgs::Header& answer,
-                                const Eigen::Isometry3d& T_target_camera) const;
 
   const planar_bin_picking::Locator locator_;
   const CellParams cell_;
@@ -79,6 +74,7 @@ class LocatorRos {
   ros::NodeHandle image_nh_, call_pnh_, prompt_pnh_;
   TransformBuffer tf_buffer_;
   TransformListener tf_listener_;  // has a thread of its own
+  const CellFrames cell_frames_;
   ImageSource source_;
   AnswerPublisher publisher_;
   PickKeeper picks_;
