@@ -154,6 +154,21 @@ void judgeError(const HandEyeParams& params, const HandEyeResult& result, Reason
   }
 }
 
+/// The other mounting and inverted poses together cancel out in all pictures: only the lengths
+/// differ. "" where these are as usual: what is on the flange is near it.
+std::string doubtOfMounting(const HandEyeResult& result) {
+  const bool in_hand = result.transform_name == "T_flange_camera";
+  const double camera = result.T_mount_camera.translation().norm();
+  const double board = result.T_other_board.translation().norm();
+  constexpr double kFarther = 3.0;
+  if (in_hand ? camera < kFarther * board : board < kFarther * camera) return "";
+  return std::string("the camera is ") + number(camera, 3) + " m from the " +
+         (in_hand ? "flange" : "base") + " and the board " + number(board, 3) + " m from the " +
+         (in_hand ? "base" : "flange") +
+         ": check the mounting and which way round the robot poses are; with both the other way "
+         "the pictures fit as well";
+}
+
 /// What else a user has to know.
 void addNotes(const HandEyeParams& params, HandEyeResult* result) {
   std::vector<std::string>& notes = result->notes;
@@ -164,6 +179,8 @@ void addNotes(const HandEyeParams& params, HandEyeResult* result) {
         "4-axis robot: the height is not from the pictures; it holds as well as board_z, " +
         number(params.board_z, 5) + " m +- " + millimetres(params.board_z_sigma_mm));
   }
+  const std::string doubt = doubtOfMounting(*result);
+  if (!doubt.empty()) notes.push_back(doubt);
   // The pictures fit the corrected poses only.
   constexpr double kLarge = 3.0;
   if (result->verdict == Verdict::kGood && result->chain_px > kLarge * result->rms_px) {

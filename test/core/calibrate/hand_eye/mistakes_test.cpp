@@ -48,6 +48,38 @@ TEST(Mistakes, AreNotSeenWhereThereAreNone) {
             0u);
 }
 
+TEST(Mistakes, TwoAtOnceAreRefused) {
+  std::mt19937 random(41);
+  const sim::BoardCell cell = sim::makeCell(true, &random);
+  const HandEyeProblem good = randomProblem(cell, 14, &random);
+  const auto metres = [](Eigen::Isometry3d T) {
+    T.translation() *= 1000.0;
+    return T;
+  };
+  const auto inverted = [](const Eigen::Isometry3d& T) { return T.inverse(); };
+  for (const HandEyeProblem& problem :
+       {withPoses(withOrientations(good, Orientation::kRealPartFirst), metres),
+        withPoses(withPoses(good, metres), inverted), withPoses(withSquare(good, 2.0), inverted),
+        stale(withSquare(good, 1.05), 1, 100)}) {
+    EXPECT_EQ(solveHandEye(problem, {}).verdict, Verdict::kRefused);
+  }
+}
+
+// These two cancel out in all pictures: only the lengths tell.
+TEST(Mistakes, InvertedPosesWithTheOtherMountingAreDoubted) {
+  for (const bool in_hand : {true, false}) {
+    std::mt19937 random(42);
+    const sim::BoardCell cell = sim::makeCell(in_hand, &random);
+    const HandEyeProblem good = randomProblem(cell, 14, &random);
+    EXPECT_TRUE(solveHandEye(good, {}).notes.empty());
+    HandEyeProblem both = withPoses(good, [](const Eigen::Isometry3d& T) { return T.inverse(); });
+    both.mounting = in_hand ? Mounting::kEyeToHand : Mounting::kEyeInHand;
+    const HandEyeResult result = solveHandEye(both, {});
+    ASSERT_EQ(result.notes.size(), 1u);
+    EXPECT_NE(result.notes[0].find("check the mounting"), std::string::npos) << result.notes[0];
+  }
+}
+
 // The pictures stay the same while the robot says that it goes elsewhere.
 TEST(Mistakes, OldPicturesAreNamed) {
   std::mt19937 random(7);
