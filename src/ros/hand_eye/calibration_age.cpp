@@ -55,7 +55,8 @@ void checkUsable(const std::string& path, bool accept_poor, double max_age_days)
       (std::filesystem::path(path).parent_path() / "calibration.yaml").string();
   const std::vector<std::string> files{path, beside};
   const std::string verdict = valueOf(files, "verdict");
-  if (verdict == "REFUSED") {
+  // Where the machine went down between the two, the file itself may still say GOOD.
+  if (verdict == "REFUSED" || valueOf({beside}, "verdict") == "REFUSED") {
     throw std::runtime_error(path +
                              ": the calibration was REFUSED (see report.html beside it), and "
                              "this file is older; calibrate anew");

@@ -39,6 +39,9 @@ TEST(CalibrationAge, RefusedIsRefusedAlways) {
   const std::string path = dir.write("hand_eye.yaml", "parent_frame: flange\n");
   dir.write("calibration.yaml", "verdict: REFUSED\n");
   EXPECT_TRUE(refuses([&] { checkUsable(path, true, 0.0); }, {"REFUSED", "calibrate anew"}));
+  // It could not be renamed any more when the power went.
+  dir.write("hand_eye.yaml", "verdict: GOOD\n");
+  EXPECT_TRUE(refuses([&] { checkUsable(path, true, 0.0); }, {"REFUSED", "calibrate anew"}));
 }
 
 TEST(CalibrationAge, ExpiredIsRefused) {
