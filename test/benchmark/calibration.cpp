@@ -1,16 +1,20 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Simulated calibrations over many seeds: `calibration [SEEDS [mistakes]]` prints the tables in
-/// calibration.md. Whole runs that choose their own views, half of them eye-in-hand; the same with
-/// drawn pictures; the solver against OpenCV's Park; and what must be refused.
+/// Simulated calibrations over many seeds: `calibration [SEEDS [TABLE]]` prints the tables in
+/// calibration.md, or one of them: runs, mistakes, refusals, park or drawn. Whole runs that choose
+/// their own views, half of them eye-in-hand; the same with drawn pictures; the solver against
+/// OpenCV's Park; and what must be refused.
 
 #include "calibration_park.h"
 #include "calibration_refusals.h"
 #include "support/simulated_run.h"
 
 #include <cstdlib>
+#include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace planar_bin_picking {
 namespace {
@@ -130,12 +134,26 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::string only = argc > 2 ? argv[2] : "";
-  if (only != "mistakes") printRuns(seeds);
-  printMistakes(seeds);
-  printMissingBoards(std::max(1, seeds / 5));
-  if (only == "mistakes") return 0;
-  printRefusals(seeds);
-  printPark(seeds);
-  printDrawn(std::max(1, seeds / 5));
-  return 0;
+  const int drawn = std::max(1, seeds / 5);  // pictures take their time
+  const std::vector<std::pair<std::string, std::function<void()>>> tables{
+      {"runs", [&] { printRuns(seeds); }},
+      {"mistakes",
+       [&] {
+         printMistakes(seeds);
+         printMissingBoards(drawn);
+       }},
+      {"refusals", [&] { printRefusals(seeds); }},
+      {"park", [&] { printPark(seeds); }},
+      {"drawn", [&] { printDrawn(drawn); }}};
+  bool is_known = only.empty();
+  for (const auto& [name, print] : tables) {
+    if (!only.empty() && name != only) continue;
+    is_known = true;
+    print();
+  }
+  if (is_known) return 0;
+  std::fprintf(stderr,
+               "calibration: TABLE is \"%s\", must be runs, mistakes, refusals, park or drawn\n",
+               only.c_str());
+  return 2;
 }

@@ -233,7 +233,7 @@ inline void printMissingBoards(int seeds) {
         images.push_back(sim::takeBoardImage(cell, T, 0.7, 2.0, 10 * seed + i));
       }
       const std::string why = whyBoardIsMissing(images, {9, 6, 0.02});
-      named += why.find(none ? "no board" : "partly out of view") == 0 ? 1 : 0;
+      named += why.find(none ? "no board" : "board partly out of view") == 0 ? 1 : 0;
     }
     std::printf("| %s | - | %d | %d |\n", none ? "no board" : "board half out of view", named,
                 seeds);
