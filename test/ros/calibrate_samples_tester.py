@@ -16,10 +16,12 @@ import rospy
 import rostest
 import yaml
 from planar_bin_picking.srv import MoveRobot, MoveRobotRequest, RemoveSample
+from tf2_msgs.msg import TFMessage
 
-from calibration_fixture import Calibrator, ENDS, InCell, until
+from calibration_fixture import Calibrator, ENDS, InCell, PICTURE_PASSES, until
 
 FOLDER = os.path.join(rospkg.get_ros_home(), "calibrate_kept")
+CHILD = "hung_on_camera"  # of test/ros/calibration/hand_eye.yaml
 
 
 def read(name):
@@ -126,7 +128,7 @@ class CalibrateSamples(InCell):
         rospy.set_param("/calibration_cell/bump_mm", 4.0)
         try:
             self.move_to(self.cell.targets[0])
-            time.sleep(0.5)  # for a picture of before to pass
+            time.sleep(PICTURE_PASSES)
             calibrator = self.calibrator  # it has seen nothing of before
             self.check_call(calibrator, "verify", "camera or board has moved by ", "a further view", success=False)
             self.assertEqual(contents(), before)
@@ -142,14 +144,16 @@ class CalibrateSamples(InCell):
         self.assertEqual(len(self.cell.targets), asked + 3)
 
     def launch_hand_eye(self, *arguments):
-        """@return  what the launch said once it has ended by itself; None where it goes on."""
+        """@return  what the launch said once it has ended by itself; None where it publishes the camera's place."""
+        published = []
+        tf_static = rospy.Subscriber("/tf_static", TFMessage, lambda m: published.extend(t.child_frame_id for t in m.transforms))
         launch = subprocess.Popen(["roslaunch", "--wait", "planar_bin_picking", "hand_eye.launch", *arguments],
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         try:
-            return launch.communicate(timeout=8)[0]
-        except subprocess.TimeoutExpired:
-            return None
+            self.assertTrue(until(lambda: CHILD in published or launch.poll() is not None), published)
+            return None if launch.poll() is None else launch.communicate()[0]
         finally:
+            tf_static.unregister()
             launch.terminate()
             launch.wait(20)
 

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// Starts a calibrator and waits for its last status. Parameters: `calibrator` (name), `status`
-/// (how the last status begins), `words` (what is in it), `abort_after_moves` (calls ~abort during
-/// the move after that many), `moves_max`.
+/// (how the last status begins), `words` (what is in it), `moves_max`.
 
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -61,24 +60,11 @@ class Calibrate : public testing::Test {
 
 TEST_F(Calibrate, EndsAsExpected) {
   const ros::NodeHandle pnh("~");
-  const int abort_after = pnh.param("abort_after_moves", -1);
   // A camera and its tf need a moment; nothing moves before ~start.
   ASSERT_TRUE(await([&] { return !said_.empty(); }, 30.0)) << "no status";
   EXPECT_EQ(moves_, 0);
   ASSERT_TRUE(call(name_ + "/start").response.success);
   EXPECT_FALSE(call(name_ + "/start").response.success);
-  if (abort_after >= 0) {
-    ASSERT_TRUE(await([&] { return moves_ > abort_after; }, 60.0));
-    const std_srvs::Trigger plan = call(name_ + "/plan");
-    EXPECT_TRUE(plan.response.success) << plan.response.message;
-    EXPECT_NE(plan.response.message.find(", 1 planned"), std::string::npos)
-        << plan.response.message;
-    const auto before = std::chrono::steady_clock::now();
-    EXPECT_TRUE(call(name_ + "/abort").response.success);
-    ASSERT_TRUE(await([&] { return ended(); }, 5.0));
-    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count(),
-              2.0);
-  }
   ASSERT_TRUE(await([&] { return ended(); }, 150.0)) << (said_.empty() ? "" : said_.back());
   EXPECT_EQ(said_.back().rfind(pnh.param<std::string>("status", "GOOD"), 0), 0u) << said_.back();
   EXPECT_NE(said_.back().find(pnh.param<std::string>("words", "")), std::string::npos)

@@ -14,6 +14,7 @@ from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 WAIT = 20.0  # s
+PICTURE_PASSES = 0.25  # s; more than the cell needs from one picture to the next
 ENDS = ("GOOD", "POOR", "REFUSED", "ABORTED", "FAILED")
 UNCONFIRMED = "stop was not confirmed"
 
@@ -102,7 +103,7 @@ class InCell(unittest.TestCase):
         self.calibrator.call("abort")
         rospy.wait_for_service("/move_robot", WAIT)
         rospy.ServiceProxy("/move_robot", MoveRobot)(MoveRobotRequest())  # stop
-        time.sleep(0.2)  # until it has noticed
+        time.sleep(0.1)  # until it has noticed
 
     def begin(self, manner, calibrator=None):
         """A run with a robot of these manners, once it has been asked for its first move."""
@@ -127,8 +128,8 @@ class InCell(unittest.TestCase):
         self.assertEqual(len(self.cell.targets), asked + 1)
         return stops
 
-    def check_still(self, seconds=1.0):
-        """Nothing moves from now on, nor is anything asked for."""
+    def check_still(self, seconds=0.6):
+        """Nothing moves from now on, nor is anything asked for: a run that went on would look and go within that."""
         time.sleep(0.1)  # for what is under way to the tester
         asked, moves, place = len(self.cell.targets), self.cell.moves, self.cell.place
         time.sleep(seconds)
