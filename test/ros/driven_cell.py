@@ -26,7 +26,7 @@ class Arguments:
     """What play_scene.Scene wants to know."""
 
     def __init__(self, scene):
-        self.scene, self.camera_info, self.velocity = scene, None, (0.0, 0.0, 0.0)
+        self.scene, self.camera_info, self.velocity, self.frames = scene, None, (0.0, 0.0, 0.0), ""
 
 
 class DrivenCell:
@@ -53,6 +53,7 @@ class DrivenCell:
             self.image_lead = self.info_lead = 0.0  # s, of their stamps
             self.spoil = lambda image, info: None  # changes both before they go out
             self.flange = None  # where it is; None: at rest
+            self.turn = play_scene.DOWN  # of the flange
             self.trigger_result = TriggerResponse(success=True)
             self.trigger_takes_image = True
             self.zero_stamps = False
@@ -110,7 +111,7 @@ class DrivenCell:
 
     def pose(self):
         return play_scene.transform("base", "flange", self.flange or play_scene.START,
-                                    play_scene.DOWN, rospy.Time.now())
+                                    self.turn, rospy.Time.now())
 
 
 def in_sixteen_bits(bits, swapped=False, encoding="mono16"):

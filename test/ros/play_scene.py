@@ -40,6 +40,7 @@ def parse_args():
                         metavar=("X", "Y", "Z"), help="of the flange in the base frame, m/s")
     parser.add_argument("--clock-lead", type=float, default=0.0,
                         help="how far the camera's clock is ahead, s")
+    parser.add_argument("--frames", default="", help="in front of the frames' names, such as left/, for one of several cells")
     parser.add_argument("--bag", help="write this file in place of publishing")
     parser.add_argument("--duration", type=float, default=20.0, help="of the bag, s")
     return parser.parse_args(rospy.myargv()[1:])
@@ -52,7 +53,6 @@ def load_image(folder):
         sys.exit(f"cannot read {path}")
     message = Image(height=grey.shape[0], width=grey.shape[1], encoding="mono8",
                     step=grey.shape[1], data=numpy.ascontiguousarray(grey).tobytes())
-    message.header.frame_id = "camera"
     return message
 
 
@@ -65,7 +65,6 @@ def load_camera_info(path):
                          K=values["camera_matrix"]["data"],
                          R=values["rectification_matrix"]["data"],
                          P=values["projection_matrix"]["data"])
-    message.header.frame_id = "camera"
     return message
 
 
@@ -85,17 +84,19 @@ class Scene:
         self.image = load_image(args.scene)
         self.info = load_camera_info(args.camera_info or
                                      os.path.join(args.scene, "camera_info.yaml"))
+        self.base, self.flange, self.camera = (args.frames + frame for frame in ("base", "flange", "camera"))
+        self.image.header.frame_id = self.info.header.frame_id = self.camera
         self.velocity = args.velocity
         self.start = None
 
     def tf_static(self, stamp):
-        return transform("flange", "camera", MOUNT, MOUNT_TURN, stamp)
+        return transform(self.flange, self.camera, MOUNT, MOUNT_TURN, stamp)
 
     def tf(self, stamp):
         self.start = self.start or stamp
         time = (stamp - self.start).to_sec()
         position = [x + v * time for x, v in zip(START, self.velocity)]
-        return transform("base", "flange", position, DOWN, stamp)
+        return transform(self.base, self.flange, position, DOWN, stamp)
 
     def images(self, stamp):
         self.image.header.stamp = self.info.header.stamp = stamp
