@@ -8,6 +8,7 @@
 /// - camera/set_parameters: dynamic_reconfigure's service; int `exposure`, microseconds
 /// - move_robot (MoveRobot): moves the flange; /tf says where it is
 /// - gripper/suction (std_srvs/SetBool): success = the vacuum holds; false lets go
+/// - gripper/holds (std_srvs/Trigger): success = it still does
 /// - cell/refill (std_srvs/Trigger): empties the bin and pours anew, with the next seed
 /// - truth (LocatedParts, latched): what lies where, for the tester alone; `picks` has the poses
 ///   that look the same
@@ -153,6 +154,7 @@ class CellNode {
                  nh_.advertiseService("camera/set_parameters", &CellNode::configure, this),
                  nh_.advertiseService("move_robot", &CellNode::move, this),
                  nh_.advertiseService("gripper/suction", &CellNode::suction, this),
+                 nh_.advertiseService("gripper/holds", &CellNode::holds, this),
                  nh_.advertiseService("cell/refill", &CellNode::refill, this)};
     // In a thread of its own: a robot does not fall silent while the camera takes its picture.
     tf_nh_.setCallbackQueue(&tf_queue_);
@@ -233,9 +235,13 @@ class CellNode {
     const bool is_base = request.target.header.frame_id == "base";
     response.reachable = is_base && T_base_target.translation().norm() < kReach &&
                          T_base_target.translation().z() > 0.0;
-    response.success = response.reachable;
     if (!is_base) response.message = "the target's frame must be base";
     if (is_base && !response.reachable) response.message = "out of reach";
+    if (response.reachable && !cell_.toolIsFree(T_base_target * T_flange_tool_)) {
+      response.reachable = false;
+      response.message = "the tool would touch the bin";
+    }
+    response.success = response.reachable;
     if (response.success) {
       const std::lock_guard<std::mutex> lock(flange_mutex_);
       T_base_flange_ = T_base_target;
@@ -250,11 +256,17 @@ class CellNode {
 
   bool suction(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
     response.success = true;
+    holds_ = false;
     if (!request.data) return true;
     const PickResult result = cell_.pick(trueFlange() * T_flange_tool_);
-    response.success = result == PickResult::kPicked;
+    response.success = holds_ = result == PickResult::kPicked;
     response.message = nameOf(result);
     publishTruth(ros::Time::now());
+    return true;
+  }
+
+  bool holds(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+    response.success = holds_;
     return true;
   }
 
@@ -296,6 +308,7 @@ class CellNode {
   int exposure_us_;
   std::uint64_t seed_;
   SimulatedCell cell_;
+  bool holds_ = false;       ///< the gripper has a part
   std::mutex flange_mutex_;  ///< the thread that sends tf reads where the flange is
   Eigen::Isometry3d T_base_flange_, T_flange_camera_, T_flange_tool_;
   const double robot_noise_mm_ = param<double>("robot_noise_mm", 0.0);

@@ -30,6 +30,7 @@ from pick_program import matrix
 from planar_bin_picking.msg import LocatedParts
 from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Trigger
+from tf_conversions import posemath
 
 
 WANTED = dict(x=0.5, y=0.5, yaw=0.3)  # mm, mm, degrees: the largest error of a picked part
@@ -79,7 +80,7 @@ class Recorder:
         answer = next((a for a in cycle.answers if a.parts), cycle.answers[0])
         report = dict(
             message=answer.message, attempts=[[a.part.child_frame, a.pick.name if a.pick else "", a.outcome.message] for a in cycle.attempts],
-            T_base_camera=self.robot.lookup("base", "camera").tolist(),
+            T_base_camera=posemath.toMatrix(self.robot.lookup("base", "camera")).tolist(),
             offered=[dict(frame=p.child_frame, score=p.score, visible=p.visible_fraction, face=p.face,
                           **plain(p.pose.pose)) for p in answer.parts],
             refused=[dict(text=r.text, **plain(r.located.pose.pose)) for r in answer.refused])

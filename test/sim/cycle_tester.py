@@ -49,8 +49,8 @@ class Cycles(unittest.TestCase):
         again = self.locator.locate()  # nothing has moved
         place = lambda part: pick_program.matrix(part.pose.pose)[:3, 3]
         self.assertGreater(abs(place(again.parts[0]) - place(failed)).max(), 0.005)
-        unknown = self.locator.report_pick(stamp=failed.header.stamp,
-                                           child_frame=failed.child_frame, success=True)
+        unknown = self.locator.call("report_pick", stamp=failed.header.stamp, child_frame=failed.child_frame,
+                                    success=True)
         self.assertEqual(unknown.status, ReportPickResponse.UNKNOWN_PART)
 
 

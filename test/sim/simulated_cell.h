@@ -92,6 +92,9 @@ class SimulatedCell {
   /// failure may move parts.
   PickResult pick(const Eigen::Isometry3d& T_base_tool);
 
+  /// Whether the tool can be there without touching the bin's walls or floor.
+  bool toolIsFree(const Eigen::Isometry3d& T_base_tool) const;
+
   std::vector<TruePart> truth(const Eigen::Isometry3d& T_base_camera) const;
   const PartKind& kind(int index) const { return kinds_.at(static_cast<std::size_t>(index)); }
   const CellConfig& config() const { return config_; }
@@ -101,7 +104,6 @@ class SimulatedCell {
 
  private:
   PickResult judge(const Eigen::Isometry3d& T_base_tool, int* id) const;
-  bool toolIsFree(const Eigen::Isometry3d& T_base_tool) const;
   double visibleFraction(std::size_t body, bool front_up, const Eigen::Vector3d& eye) const;
 
   CellConfig config_;
