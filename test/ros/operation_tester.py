@@ -25,6 +25,7 @@ from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's relay of it
+from check_cell_cases import CheckCellCases
 from driven_cell import DrivenCell
 
 UP = 60.0  # s, for the node to come up; machines may be busy
@@ -54,7 +55,7 @@ def floor(plates):
     return spoil
 
 
-class Operation(unittest.TestCase):
+class Operation(CheckCellCases, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = rospkg.RosPack().get_path("planar_bin_picking")
