@@ -23,6 +23,11 @@ inline constexpr double kDistanceLeast = 0.01, kDistanceMost = 100.0, kDistanceR
 ///         kDistanceMost, not min <= max, or max over kDistanceRatioMost times min
 void checkDistances(double distance_min, double distance_max);
 
+/// A rectangle of a picture.
+struct PixelBox {
+  int left = 0, top = 0, width = 0, height = 0;
+};
+
 /// What is looked for in one image.
 struct LocateRequest {
   /// Parts that may lie in the bin; all of them are returned, ranked together.
@@ -33,7 +38,10 @@ struct LocateRequest {
   /// The face that is up. Where nobody can tell a part's faces apart (mirror-symmetric, no print),
   /// it is answered as the one asked for.
   FaceFilter face = FaceFilter::kAny;
-  std::size_t max_parts = 0;   ///< of those that obey all of the above; 0 = all
+  std::size_t max_parts = 0;  ///< of those that obey all of the above; 0 = all
+  /// All that is looked at; nothing = the whole picture. What sticks out of it counts as cut off by
+  /// the picture's border. It grows to hold the camera's principal point.
+  std::optional<PixelBox> window;
   std::optional<Plane> plane;  ///< in place of the one that LocatorParams::plane may say
 };
 

@@ -77,6 +77,29 @@ bool showsFace(const RefinedPose& pose,
   return showsFace(*parts[pose.part], pose.T_camera_part, pose.face);
 }
 
+/// What of the picture is looked at, with the camera that sees no more.
+struct Looked {
+  cv::Mat image;
+  Camera camera;
+};
+
+Looked cut(const cv::Mat& image, const Camera& camera, const std::optional<PixelBox>& window) {
+  if (!window) return {image, camera};
+  Camera::Model model = camera.model();
+  // A camera's principal point lies in its picture.
+  const int cx = static_cast<int>(model.cx), cy = static_cast<int>(model.cy);
+  const int left = std::clamp(std::min(window->left, cx), 0, image.cols - 1);
+  const int top = std::clamp(std::min(window->top, cy), 0, image.rows - 1);
+  const int right = std::clamp(std::max(window->left + window->width, cx + 2), left, image.cols);
+  const int bottom = std::clamp(std::max(window->top + window->height, cy + 2), top, image.rows);
+  if (std::min(right - left, bottom - top) < kLeastSide) return {image, camera};
+  model.width = right - left;
+  model.height = bottom - top;
+  model.cx -= left;
+  model.cy -= top;
+  return {image(cv::Rect(left, top, model.width, model.height)).clone(), Camera(model)};
+}
+
 /// A robot sent to a pose whose z says the other face than `face` would come from the wrong side.
 void dropContradictions(const std::vector<std::shared_ptr<const PartModel>>& parts,
                         std::vector<RefinedPose>* poses) {
@@ -106,9 +129,10 @@ Distances Locator::searched(const Camera& camera, const LocateRequest& request,
   return *on_plane;
 }
 
-LocateResult Locator::locate(const cv::Mat& image, const Camera& camera,
+LocateResult Locator::locate(const cv::Mat& whole, const Camera& whole_camera,
                              const LocateRequest& request) const {
-  check(image, camera, request);
+  check(whole, whole_camera, request);
+  const auto [image, camera] = cut(whole, whole_camera, request.window);
   LocateResult result;
   Clock clock(&result.report);
   const int threads = params_.threads;

@@ -5,6 +5,7 @@
 #include "base/yaml_file.h"
 #include "base/yaml_text.h"
 
+#include <algorithm>
 #include <iomanip>
 #include <limits>
 #include <locale>
@@ -103,6 +104,11 @@ std::string requestText(const LocateRequest& request, const std::string& version
                      "\nmax_parts: " + std::to_string(request.max_parts) +
                      "\ndistance_min: " + allDigits(request.distance_min) +
                      "\ndistance_max: " + allDigits(request.distance_max) + "\n";
+  if (request.window) {
+    const PixelBox& window = *request.window;
+    text += "window: [" + std::to_string(window.left) + ", " + std::to_string(window.top) + ", " +
+            std::to_string(window.width) + ", " + std::to_string(window.height) + "]\n";
+  }
   if (request.plane) {
     text += "plane_normal: " + list(request.plane->normal_camera) +
             "\nplane_distance: " + allDigits(request.plane->distance) + "\n";
@@ -114,7 +120,7 @@ RequestFile readRequestFile(const std::string& path) {
   const YAML::Node root = loadYamlMap(path);
   refuseUnknownKeys(root, path,
                     {"version", "parts", "face", "max_parts", "distance_min", "distance_max",
-                     "plane_normal", "plane_distance"});
+                     "window", "plane_normal", "plane_distance"});
   RequestFile file;
   file.version = valueAs<std::string>(root["version"], path, "version", "a version");
   file.parts = valueAs<std::vector<std::string>>(root["parts"], path, "parts", "a list of files");
@@ -129,6 +135,15 @@ RequestFile readRequestFile(const std::string& path) {
   file.request.max_parts = static_cast<std::size_t>(most);
   file.request.distance_min = valueAs<double>(root["distance_min"], path, "distance_min", "metres");
   file.request.distance_max = valueAs<double>(root["distance_max"], path, "distance_max", "metres");
+  if (root["window"]) {
+    const auto box = valueAs<std::vector<int>>(root["window"], path, "window", "four numbers");
+    constexpr int kMost = 100000;  // pixels; far more than any camera has
+    const bool good = box.size() == 4 && std::all_of(box.begin(), box.end(), [](const int pixels) {
+                        return pixels >= 0 && pixels <= kMost;
+                      });
+    if (!good) throwBadValue(path, "window", root["window"], "four numbers of pixels");
+    file.request.window = PixelBox{box[0], box[1], box[2], box[3]};
+  }
   if (root["plane_distance"]) {
     file.request.plane =
         Plane{triple(root["plane_normal"], path, "plane_normal"),

@@ -48,6 +48,24 @@ TEST(Locator, FindsThePartsAndNoOthers) {
   }
 }
 
+TEST(Locator, AWindowHidesTheRestOfThePicture) {
+  const cv::Mat image = sim::takeImage(kPinhole, threeKinds());
+  const Camera camera = makeCamera(kPinhole);
+  LocateRequest request = requestFor({makePart("bracket", bracketPlate())});
+  const auto all = Locator().locate(image, camera, request);
+  ASSERT_EQ(all.detections.size(), 2u);
+  request.window = PixelBox{0, 0, image.cols / 2, image.rows};
+  const auto left = Locator().locate(image, camera, request);
+  ASSERT_EQ(left.detections.size(), 1u);
+  EXPECT_LT(left.report.stages[0].out, all.report.stages[0].out);  // edges
+  EXPECT_TRUE(isometryNear(left.detections[0].T_camera_part, threeKinds().plates[0].T_camera_part,
+                           0.6e-3, 0.6 * kDegrees));
+  request.window = PixelBox{-50, -50, 10 * image.cols, 10 * image.rows};
+  EXPECT_EQ(Locator().locate(image, camera, request).detections.size(), 2u);
+  request.window = PixelBox{image.cols, image.rows, 10, 10};  // the principal point holds it back
+  EXPECT_LT(Locator().locate(image, camera, request).detections.size(), 2u);
+}
+
 TEST(Locator, SeveralPartsAreRankedTogether) {
   const Parts parts = {makePart("bracket", bracketPlate()),
                        makePart("wheel", wheelPlate(15, true))};

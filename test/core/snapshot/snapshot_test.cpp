@@ -36,6 +36,7 @@ Snapshot example() {
   snapshot.request.distance_max = std::sqrt(0.5);
   snapshot.request.face = FaceFilter::kBack;
   snapshot.request.max_parts = 4;
+  snapshot.request.window = PixelBox{10, 0, 80, 66};
   snapshot.request.plane = Plane{Eigen::Vector3d(0.1, 0.2, -1.0).normalized(), 1.0 / 3.0};
   return snapshot;
 }
@@ -63,6 +64,11 @@ TEST(Snapshot, GivesBackEveryBit) {
   EXPECT_EQ(in.request.distance_max, out.request.distance_max);
   EXPECT_EQ(in.request.face, FaceFilter::kBack);
   EXPECT_EQ(in.request.max_parts, 4u);
+  ASSERT_TRUE(in.request.window.has_value());
+  EXPECT_EQ(in.request.window->left, 10);
+  EXPECT_EQ(in.request.window->top, 0);
+  EXPECT_EQ(in.request.window->width, 80);
+  EXPECT_EQ(in.request.window->height, 66);
   ASSERT_TRUE(in.request.plane.has_value());
   EXPECT_EQ(in.request.plane->normal_camera, out.request.plane->normal_camera);
   EXPECT_EQ(in.request.plane->distance, out.request.plane->distance);
@@ -97,6 +103,10 @@ TEST(Snapshot, RefusesWhatIsNotOne) {
                "version: x\nparts: [../../secret.yaml]\nface: any\nmax_parts: 0\n"
                "distance_min: 1.0\ndistance_max: 2.0\n");
   EXPECT_TRUE(refuses([&] { readSnapshot(path); }, {"secret.yaml"}));
+  folder.write("one/request.yaml",
+               "version: x\nparts: []\nface: any\nmax_parts: 0\ndistance_min: 1.0\n"
+               "distance_max: 2.0\nwindow: [0, 0, 2147483647, 1]\n");
+  EXPECT_TRUE(refuses([&] { readSnapshot(path); }, {"window"}));
 }
 
 TEST(SnapshotRing, KeepsTheLatestAndWhatIsNotItsOwn) {
