@@ -30,7 +30,7 @@ MAY_INCLUDE = {
     "locate/prior": BELOW_STAGES | {"locate/evidence"},  # what is known besides the image
     **{stage: BELOW_STAGES | {"locate/evidence", "locate/prior"} for stage in STAGES},  # none includes another
     "locate": BELOW_LOCATOR,
-    "bin": {"base", "camera"},  # the bin itself, without parts
+    "bin": BELOW_LOCATOR | {"locate"},  # its floor, its region, and its rim, which is located as a part
     "views": BELOW_LOCATOR | {"locate"},
     "pick": BELOW_LOCATOR | {"locate"},
     "robot": {"base"},  # what robot controllers are sent
@@ -45,11 +45,13 @@ MAY_INCLUDE = {
     "ros/locator/answer": {"ros/shared", "ros/input"},
     "ros/locator/parts": {"ros/shared"},
     "ros/locator/health": {"ros/shared", "ros/input", "ros/locator/parts"},
+    "ros/locator/bin": {"ros/shared", "ros/input"},
+    "ros/locator/region": {"ros/shared", "ros/locator/answer"},
     "ros/locator/snapshot": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts"},
     "ros/locator/views": {"ros/shared", "ros/input", "ros/locator/answer"},
     "ros/locator/settings": {"ros/shared"},
-    "ros/locator": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/parts", "ros/locator/snapshot",
-                    "ros/locator/health", "ros/locator/views", "ros/locator/settings"},
+    "ros/locator": {"ros/shared", "ros/input", "ros/locator/answer", "ros/locator/bin", "ros/locator/parts", "ros/locator/snapshot",
+                    "ros/locator/health", "ros/locator/region", "ros/locator/settings", "ros/locator/views"},
     "ros/hdr": {"ros/shared", "ros/input"},
     "ros/calibrator": {"ros/shared", "ros/input"},
     "ros/hand_eye": {"ros/shared"},
