@@ -11,14 +11,19 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace planar_bin_picking {
 namespace {
 
-const cv::Scalar kFrontColor(80, 220, 60), kBackColor(30, 140, 255);  // BGR: green, orange
-const cv::Scalar kOcclusionColor(60, 60, 230);                        // red
+const cv::Scalar kFrontColor(80, 220, 60), kBackColor(30, 140, 255);      // BGR: green, orange
+const cv::Scalar kOcclusionColor(60, 60, 230);                            // red
+const cv::Scalar kRefusedColor(170, 170, 170), kPickColor(255, 60, 255);  // grey, magenta
+const cv::Scalar kRegionColor(255, 230, 60);                              // light blue
 const cv::Scalar kDark(0, 0, 0), kLight(255, 255, 255);
-constexpr int kShift = 4;  ///< binary digits behind the point in OpenCV's drawing coordinates
+constexpr double kSmall = 0.5;  // letters of the legend
+constexpr int kShift = 4;       ///< binary digits behind the point in OpenCV's drawing coordinates
 
 /// 8-bit colour; 16 bits are stretched so that the brightest thousandth saturates.
 cv::Mat toColor(const cv::Mat& image) {
@@ -101,18 +106,50 @@ class Pen {
       cv::circle(*canvas_, *p, unit_ << kShift, color, cv::FILLED, cv::LINE_AA, kShift);
   }
 
+  void circle(const Eigen::Vector3d& p_camera, int radius, const cv::Scalar& color) {
+    if (const auto p = pixel(p_camera))
+      cv::circle(*canvas_, *p, (radius * unit_) << kShift, color, 2 * unit_, cv::LINE_AA, kShift);
+  }
+
   /// Text centred on a pixel, readable on any ground.
-  void label(const std::string& text, const cv::Point& center, const cv::Scalar& color) {
-    const double scale = 0.8 * unit_;
+  /// @param size  of its letters; 1 for ranks
+  void label(const std::string& text, const cv::Point& center, const cv::Scalar& color,
+             const double relative_size = 1.0) {
+    const double scale = 0.8 * relative_size * unit_;
+    const int stroke = relative_size < 1.0 ? unit_ : 2 * unit_;
     int below = 0;
-    const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 2 * unit_, &below);
+    const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, stroke, &below);
     const cv::Point corner(center.x - size.width / 2, center.y + size.height / 2);
     const cv::Rect box(corner.x - 3 * unit_, corner.y - size.height - 3 * unit_,
                        size.width + 6 * unit_, size.height + 6 * unit_ + below / 2);
     cv::rectangle(*canvas_, box, kDark, cv::FILLED);
     cv::rectangle(*canvas_, box, color, unit_);
-    cv::putText(*canvas_, text, corner, cv::FONT_HERSHEY_SIMPLEX, scale, kLight, 2 * unit_,
+    cv::putText(*canvas_, text, corner, cv::FONT_HERSHEY_SIMPLEX, scale, kLight, stroke,
                 cv::LINE_AA);
+  }
+
+  /// Lines of text, each beside a patch of its colour, in the lower left corner.
+  void legend(const std::vector<std::pair<std::string, cv::Scalar>>& lines) {
+    const int line = 20 * unit_, count = static_cast<int>(lines.size());
+    int width = 0, below = 0;
+    for (const auto& [text, color] : lines) {
+      const auto size =
+          cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kSmall * unit_, unit_, &below);
+      width = std::max(width, size.width);
+    }
+    const int top = canvas_->rows - line * count - 8 * unit_;
+    const cv::Rect all(0, 0, canvas_->cols, canvas_->rows);
+    const cv::Rect box =
+        cv::Rect(4 * unit_, top, width + 34 * unit_, line * count + 4 * unit_) & all;
+    if (box.area() == 0) return;
+    (*canvas_)(box) *= 0.35;
+    for (int i = 0; i < count; ++i) {
+      const int y = top + line * (i + 1) - 5 * unit_;
+      cv::rectangle(*canvas_, {10 * unit_, y - 9 * unit_}, {22 * unit_, y}, lines[i].second,
+                    cv::FILLED);
+      cv::putText(*canvas_, lines[i].first, {30 * unit_, y}, cv::FONT_HERSHEY_SIMPLEX,
+                  kSmall * unit_, kLight, unit_, cv::LINE_AA);
+    }
   }
 
  private:
@@ -127,8 +164,12 @@ Eigen::Vector3d onFace(const PartModel& part, const Detection& detection,
   return detection.T_camera_part * Eigen::Vector3d(p.x(), p.y(), part.faceZ(detection.face));
 }
 
-void drawOutline(Pen* pen, const PartModel& part, const Detection& detection) {
-  const cv::Scalar color = detection.face == Face::kFront ? kFrontColor : kBackColor;
+cv::Scalar colorOf(const Detection& detection) {
+  return detection.face == Face::kFront ? kFrontColor : kBackColor;
+}
+
+void drawOutline(Pen* pen, const PartModel& part, const Detection& detection,
+                 const cv::Scalar& color) {
   for (const Loop& loop : part.file().drawing.loops) {
     const bool print = loop.kind == LoopKind::kPrint;
     if (print && detection.face == Face::kBack) continue;
@@ -158,30 +199,68 @@ void drawAxes(Pen* pen, const PartModel& part, const Detection& detection) {
   }
 }
 
+/// Its contact, and from where the tool comes.
+void drawPick(Pen* pen, const Eigen::Isometry3d& T_camera_pick) {
+  constexpr double kStroke = 0.02;  // metres
+  const Eigen::Vector3d from = T_camera_pick * Eigen::Vector3d(0.0, 0.0, -kStroke);
+  pen->draw(pen->trace({from, T_camera_pick.translation()}), kPickColor, 2 * pen->unit());
+  pen->circle(T_camera_pick.translation(), 4, kPickColor);
+}
+
+void drawLegend(Pen* pen) {
+  pen->legend({{"front up, with its rank", kFrontColor},
+               {"back up, with its rank", kBackColor},
+               {"refused, with the reason", kRefusedColor},
+               {"something covers it", kOcclusionColor},
+               {"pick pose", kPickColor},
+               {"bin, region", kRegionColor}});
+}
+
+/// The middle of the visible face.
+std::optional<cv::Point> middleOf(const Pen& pen, const PartModel& part,
+                                  const Detection& detection) {
+  const auto center = pen.pixel(onFace(part, detection, part.symmetry().center));
+  if (!center) return std::nullopt;
+  return cv::Point(center->x >> kShift, center->y >> kShift);
+}
+
+void drawRefused(Pen* pen, const PartModel& part, const OverlayMore::Refused& refused) {
+  drawOutline(pen, part, refused.detection, kRefusedColor);
+  if (const auto center = middleOf(*pen, part, refused.detection))
+    pen->label(refused.reason, *center, kRefusedColor, kSmall);
+}
+
 }  // namespace
 
 cv::Mat drawOverlay(const cv::Mat& image, const Camera& camera,
                     const std::vector<std::shared_ptr<const PartModel>>& parts,
-                    const std::vector<Detection>& detections) {
+                    const std::vector<Detection>& detections, const OverlayMore& more) {
   cv::Mat canvas = toColor(image);
   Pen pen(&canvas, camera);
+  for (std::vector<Eigen::Vector3d> outline : more.outlines) {
+    if (outline.empty()) continue;
+    outline.push_back(outline.front());
+    pen.draw(pen.trace(outline), kRegionColor, 2 * pen.unit());
+  }
+  for (const auto& refused : more.refused)
+    drawRefused(&pen, *parts.at(refused.detection.part), refused);
   // From the last to the first: the best is never painted over.
   for (std::size_t rank = detections.size(); rank-- > 0;) {
     const Detection& detection = detections[rank];
     const PartModel& part = *parts.at(detection.part);
     drawOcclusion(&pen, part, detection);
-    drawOutline(&pen, part, detection);
+    drawOutline(&pen, part, detection, colorOf(detection));
     drawAxes(&pen, part, detection);
   }
   for (std::size_t rank = detections.size(); rank-- > 0;) {
     const Detection& detection = detections[rank];
-    const PartModel& part = *parts.at(detection.part);
-    const cv::Scalar color = detection.face == Face::kFront ? kFrontColor : kBackColor;
-    const auto center = pen.pixel(onFace(part, detection, part.symmetry().center));
+    const auto center = middleOf(pen, *parts.at(detection.part), detection);
     if (!center) continue;
     const std::string name = parts.size() > 1 ? " " + detection.part_name : "";
-    pen.label(std::to_string(rank + 1) + name, {center->x >> kShift, center->y >> kShift}, color);
+    pen.label(std::to_string(rank + 1) + name, *center, colorOf(detection));
   }
+  for (const Eigen::Isometry3d& T_camera_pick : more.T_camera_pick) drawPick(&pen, T_camera_pick);
+  if (more.has_legend) drawLegend(&pen);
   return canvas;
 }
 

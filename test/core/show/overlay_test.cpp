@@ -101,6 +101,30 @@ TEST_F(OverlayTest, DotsWhatIsCovered) {
   EXPECT_GT(colorAt(drawOverlay(image_, *camera_, parts_, {detection_}), middle), 100);
 }
 
+TEST_F(OverlayTest, DrawsWhatIsRefusedAndWhereTheToolGoes) {
+  OverlayMore more;
+  more.refused.push_back({detection_, "TILT"});
+  const cv::Mat refused = drawOverlay(image_, *camera_, parts_, {}, more);
+  EXPECT_EQ(colorAt(refused, {-0.04, 0.02, 0.0}), 0);  // grey
+  EXPECT_GT(cv::norm(refused, drawOverlay(image_, *camera_, parts_, {})), 1000.0);
+  more.refused.clear();
+  const Eigen::Isometry3d T_part_pick =
+      Eigen::Translation3d(0.03, 0.01, 0.0) *
+      Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX());
+  more.T_camera_pick = {detection_.T_camera_part * T_part_pick};
+  EXPECT_GT(colorAt(drawOverlay(image_, *camera_, parts_, {}, more), {0.03, 0.01, 0.0}), 100);
+  more.T_camera_pick.clear();
+  more.outlines = {{{-0.1, -0.1, 0.5}, {0.1, -0.1, 0.5}, {0.1, 0.1, 0.5}}};
+  const Eigen::Vector3d on_it = detection_.T_camera_part.inverse() * Eigen::Vector3d(0.1, 0.0, 0.5);
+  EXPECT_GT(colorAt(drawOverlay(image_, *camera_, parts_, {}, more), on_it), 100);
+  more.outlines.clear();
+  more.has_legend = true;
+  const cv::Mat legend = drawOverlay(image_, *camera_, parts_, {}, more);
+  EXPECT_EQ(cv::mean(legend(cv::Rect(320, 0, 320, 480))), cv::Scalar(90, 90, 90, 0));
+  EXPECT_NE(cv::mean(legend(cv::Rect(0, 240, 320, 240))), cv::Scalar(90, 90, 90, 0));
+  EXPECT_NO_THROW(drawOverlay(cv::Mat(20, 20, CV_8U, cv::Scalar(90)), *camera_, parts_, {}, more));
+}
+
 TEST_F(OverlayTest, StretchesSixteenBits) {
   cv::Mat dark(480, 640, CV_16U, cv::Scalar(10));
   dark(cv::Rect(0, 0, 320, 480)) = cv::Scalar(400);
