@@ -14,6 +14,14 @@
 
 namespace planar_bin_picking {
 
+/// What a part's file tells the robot program besides where the tool goes.
+struct RobotHints {
+  /// Metres from the contact: before the pick against the pick pose's z, after it straight up;
+  /// nothing = not said.
+  std::optional<double> approach, retreat;
+  int part_number = 0, tool_number = 0;  ///< as the robot program counts; 0 = not said
+};
+
 /// Everything a user said about a part.
 struct PartFile {
   std::string name;  ///< the stem of the file
@@ -21,6 +29,7 @@ struct PartFile {
   double thickness = 0.0;            ///< metres; 0 where unknown
   std::vector<PickPose> pick_poses;  ///< in order of preference
   PickTool tool;
+  RobotHints robot;
   std::vector<std::string> warnings;  ///< about pick poses; those of the drawing stand in `drawing`
   std::string yaml_path;              ///< its part file; empty where the drawing stands alone
 };
@@ -37,7 +46,8 @@ class NoPartFile : public std::runtime_error {
 };
 
 /// Reads `<name>.yaml` or `<name>.yml` (keys: drawing, thickness_mm, units, join_tolerance_mm,
-/// keep_layers, skip_layers, print_layers, pick_poses, tool_radius_mm, tool_height_mm) or a drawing
+/// keep_layers, skip_layers, print_layers, pick_poses, tool_radius_mm, tool_height_mm, approach_mm,
+/// retreat_mm, part_number, tool_number) or a drawing
 /// alone. A drawing beside which a part file of the same stem lies is read with it. Nothing outside
 /// of the folder of `path` is read, whatever links and relative paths say.
 /// @throws NoPartFile          YAML that is no part file

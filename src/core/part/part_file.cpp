@@ -111,6 +111,16 @@ std::optional<double> readMillimetres(const YAML::Node& root, const std::string&
   return 1e-3 * value;
 }
 
+/// 0 where it is not given.
+int readNumber(const YAML::Node& root, const std::string& key, const std::string& path) {
+  constexpr int kMost = 1000000;  // controllers count less far
+  if (!root[key]) return 0;
+  const std::string expected = "a whole number between 0 (not said) and 1000000";
+  const int value = valueAs<int>(root[key], path, key, expected);
+  if (value < 0 || value > kMost) throwBadValue(path, key, root[key], expected);
+  return value;
+}
+
 DrawingParams readDrawingParams(const YAML::Node& root, const std::string& path) {
   DrawingParams params;
   const auto read = [&](const char* key, std::vector<std::string>* patterns) {
@@ -172,8 +182,9 @@ void refuseMissing(const fs::path& path, const std::string& what, const std::str
 }
 
 const std::vector<std::string> kKeys = {
-    "drawing",     "thickness_mm", "units",      "join_tolerance_mm", "keep_layers",
-    "skip_layers", "print_layers", "pick_poses", "tool_radius_mm",    "tool_height_mm"};
+    "drawing",     "thickness_mm", "units",       "join_tolerance_mm", "keep_layers",
+    "skip_layers", "print_layers", "pick_poses",  "tool_radius_mm",    "tool_height_mm",
+    "approach_mm", "retreat_mm",   "part_number", "tool_number"};
 
 /// Other files of this package that may lie in the same folder, by a key that each must have.
 const std::vector<std::pair<std::string, std::string>> kOtherFiles = {
@@ -212,6 +223,10 @@ PartFile loadYamlPart(const fs::path& path, WrongPicks wrong_picks) {
   part.thickness = readMillimetres(root, "thickness_mm", "(unknown)", name).value_or(0.0);
   part.tool.radius = readMillimetres(root, "tool_radius_mm", "(not looked at)", name);
   part.tool.height = readMillimetres(root, "tool_height_mm", "(no end)", name);
+  part.robot.approach = readMillimetres(root, "approach_mm", "(none)", name);
+  part.robot.retreat = readMillimetres(root, "retreat_mm", "(none)", name);
+  part.robot.part_number = readNumber(root, "part_number", name);
+  part.robot.tool_number = readNumber(root, "tool_number", name);
   if (root["pick_poses"]) part.pick_poses = readPickPoses(root["pick_poses"], name, wrong_picks);
   const DrawingParams params = readDrawingParams(root, name);
   const fs::path folder = path.parent_path(), drawing_path = folder / drawing;

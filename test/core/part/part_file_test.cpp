@@ -90,6 +90,16 @@ TEST_F(PartFileTest, ReadsPickPoses) {
 TEST_F(PartFileTest, ReadsTheTool) {
   EXPECT_FALSE(load("drawing: plate.dxf\n").tool.radius);
   EXPECT_FALSE(load("drawing: plate.dxf\n").tool.height);
+  const PartFile hints =
+      load("drawing: plate.dxf\napproach_mm: 80\nretreat_mm: 0\npart_number: 7\ntool_number: 3\n");
+  EXPECT_EQ(hints.robot.approach, 0.08);
+  EXPECT_EQ(hints.robot.retreat, 0.0);
+  EXPECT_EQ(hints.robot.part_number, 7);
+  EXPECT_EQ(hints.robot.tool_number, 3);
+  EXPECT_FALSE(load("drawing: plate.dxf\n").robot.approach.has_value());
+  EXPECT_TRUE(refused("drawing: plate.dxf\npart_number: 1.5\n", {"part_number", "1.5"}));
+  EXPECT_TRUE(refused("drawing: plate.dxf\ntool_number: -1\n", {"tool_number", "-1"}));
+  EXPECT_TRUE(refused("drawing: plate.dxf\nretreat_mm: far\n", {"retreat_mm", "far"}));
   const PartFile part = load("drawing: plate.dxf\ntool_radius_mm: 12.5\ntool_height_mm: 0\n");
   EXPECT_DOUBLE_EQ(part.tool.radius.value(), 0.0125);
   EXPECT_EQ(part.tool.height.value(), 0.0);
