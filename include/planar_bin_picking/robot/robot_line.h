@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace planar_bin_picking {
@@ -27,13 +28,18 @@ enum class RobotCode : int {
   kDone = 7,       ///< done; no pose belongs to it
 };
 
+/// What a controller can say after `calibrate`.
+inline constexpr const char* kCalibrateSteps[] = {"plan", "start",  "next",   "abort",
+                                                  "add",  "finish", "verify", "status"};
+
 struct RobotCommand {
-  enum class Kind { kHello, kLocate, kNext, kReport };
+  enum class Kind { kHello, kLocate, kNext, kReport, kCalibrate };
   Kind kind = Kind::kHello;
   std::vector<std::string> parts;                  ///< of locate; empty = all
   FaceFilter face = FaceFilter::kAny;              ///< of locate
   std::optional<Eigen::Isometry3d> T_base_flange;  ///< of locate: where the robot stands
   bool success = false;                            ///< of report
+  std::string step;                                ///< of calibrate: one of kCalibrateSteps
 };
 
 /// One line without its end.
@@ -43,14 +49,16 @@ RobotCommand parseRobotLine(const std::string& line, PoseConvention convention);
 /// A pose for the robot and what it belongs to.
 struct RobotPose {
   Eigen::Isometry3d T_base_target = Eigen::Isometry3d::Identity();
-  std::optional<Eigen::Isometry3d> T_base_approach;
+  std::optional<Eigen::Isometry3d> T_base_approach, T_base_retreat;
+  std::optional<std::pair<unsigned, unsigned>> numbers;  ///< of part and tool
   std::size_t left = 0;  ///< parts that are offered besides this one
   Face face = Face::kFront;
   std::string part, pick;
 };
 
 /// A line with its end. For UR's controllers, "(0,3,1,...)", which they read into a list; for all
-/// others "0 3 1 ... part pick".
+/// others "0 3 1 ... part pick". After the face come the numbers of part and tool, then the poses:
+/// to go to, before and after it, as far as there are any.
 std::string poseLine(const RobotPose& pose, PoseConvention convention);
 
 /// The same for an answer without a pose; the text becomes one line of plain ASCII. UR's get the

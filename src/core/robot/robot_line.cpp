@@ -76,6 +76,18 @@ RobotCommand parseReport(const std::vector<std::string>& all) {
   return command;
 }
 
+RobotCommand parseCalibrate(const std::vector<std::string>& all) {
+  RobotCommand command;
+  command.kind = RobotCommand::Kind::kCalibrate;
+  command.step = all.size() == 2 ? lower(all[1]) : "";
+  std::string known;
+  for (const char* const step : kCalibrateSteps) {
+    if (command.step == step) return command;
+    known += (known.empty() ? "" : ", ") + std::string(step);
+  }
+  throw std::invalid_argument("calibrate takes one word of " + known);
+}
+
 /// Sixteen digits would overflow some controllers' lines.
 std::string text(const double value) {
   std::ostringstream out;
@@ -98,13 +110,14 @@ RobotCommand parseRobotLine(const std::string& line, const PoseConvention conven
   RobotCommand command;
   if (verb == "locate") return parseLocate(all, convention);
   if (verb == "report") return parseReport(all);
+  if (verb == "calibrate") return parseCalibrate(all);
   if (verb == "next" || verb == "hello") {
     if (all.size() > 1) throw std::invalid_argument(verb + " takes no further word");
     command.kind = verb == "next" ? RobotCommand::Kind::kNext : RobotCommand::Kind::kHello;
     return command;
   }
   throw std::invalid_argument("\"" + verb.substr(0, 40) +
-                              "\" is not known; known are hello, locate, next, report");
+                              "\" is not known; known are hello, locate, next, report, calibrate");
 }
 
 std::string poseLine(const RobotPose& pose, const PoseConvention convention) {
@@ -112,9 +125,15 @@ std::string poseLine(const RobotPose& pose, const PoseConvention convention) {
   const int face = pose.face == Face::kFront ? 1 : 2;
   std::vector<std::string> numbers{std::to_string(code), std::to_string(pose.left),
                                    std::to_string(face)};
-  for (const double n : toNumbers(pose.T_base_target, convention)) numbers.push_back(text(n));
-  if (pose.T_base_approach)
-    for (const double n : toNumbers(*pose.T_base_approach, convention)) numbers.push_back(text(n));
+  if (pose.numbers)
+    for (const unsigned n : {pose.numbers->first, pose.numbers->second})
+      numbers.push_back(std::to_string(n));
+  const auto add = [&](const Eigen::Isometry3d& T) {
+    for (const double n : toNumbers(T, convention)) numbers.push_back(text(n));
+  };
+  add(pose.T_base_target);
+  if (pose.T_base_approach) add(*pose.T_base_approach);
+  if (pose.T_base_retreat) add(*pose.T_base_retreat);
   if (convention == PoseConvention::kUr) return "(" + join(numbers, ",") + ")\n";
   return join(numbers, " ") + " " + pose.part + " " + pose.pick + "\n";
 }

@@ -28,6 +28,18 @@ TEST(RobotLine, ReadsEachCommand) {
   EXPECT_NEAR(one.T_base_flange->translation().z(), 0.8005, 1e-12);
 }
 
+TEST(RobotLine, ReadsTheStepsOfACalibration) {
+  EXPECT_EQ(parse("calibrate START").step, "start");
+  for (const char* const step : kCalibrateSteps) {
+    const RobotCommand command = parse(std::string("calibrate ") + step);
+    EXPECT_EQ(command.kind, RobotCommand::Kind::kCalibrate);
+    EXPECT_EQ(command.step, step);
+  }
+  EXPECT_TRUE(refuses([] { parse("calibrate"); }, {"start", "verify"}));
+  EXPECT_TRUE(refuses([] { parse("calibrate start now"); }, {"one word"}));
+  EXPECT_TRUE(refuses([] { parse("calibrate ../../shutdown"); }, {"one word"}));
+}
+
 TEST(RobotLine, RefusesAllElse) {
   EXPECT_TRUE(refuses([] { parse(""); }, {"known are"}));
   EXPECT_TRUE(refuses([] { parse("GET / HTTP/1.1"); }, {"get", "known are"}));
@@ -56,6 +68,12 @@ TEST(RobotLine, WritesPosesForEachController) {
   EXPECT_EQ(poseLine(pose, PoseConvention::kUr),
             "(0,3,2,0.500000,-0.250000,0.000000,0.000000,0.000000,1.570796,"
             "0.500000,-0.250000,0.000000,0.000000,0.000000,1.570796)\n");
+  pose.T_base_approach.reset();
+  pose.T_base_retreat = Eigen::Isometry3d::Identity();
+  pose.numbers = {12, 4};
+  EXPECT_EQ(poseLine(pose, PoseConvention::kFanuc),
+            "0 3 2 12 4 500.000000 -250.000000 0.000000 0.000000 0.000000 90.000000 "
+            "0.000000 0.000000 0.000000 0.000000 0.000000 0.000000 lever web\n");
 }
 
 TEST(RobotLine, WritesTextsAsOneLineOfAscii) {
