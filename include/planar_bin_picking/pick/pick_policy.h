@@ -12,7 +12,9 @@
 #include "planar_bin_picking/part/part_file.h"
 #include "planar_bin_picking/pick/pick_order.h"
 #include "planar_bin_picking/pick/surroundings.h"
+#include "planar_bin_picking/pick/tool_room.h"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +34,10 @@ struct PickParams {
   double tool_radius = 0.0;
   double tool_height = 0.0;     ///< metres over the contact that are so wide; 0 = no end
   double wall_clearance = 0.0;  ///< metres between tool and wall on top of it
+  /// A tool of several bodies, as toolBodies has them; both empty = the cylinder above is all.
+  std::vector<double> tool_boxes, tool_cylinders;
+  double tool_clearance = 0.0;  ///< metres between these and other parts
+  double tool_edges = 0.005;    ///< metres of edges that nobody explains below them; 0 = whatever
   int failures_max = 2;         ///< at one instance in an unchanged scene; then it is refused
   double same_place = 0.003;    ///< metres within which a detection is the instance that failed
   double changed_grey = 12.0;   ///< grey levels, mean over its surroundings, that are a change
@@ -48,6 +54,10 @@ struct PickParams {
     visit("tool_radius", self.tool_radius, 0.0, 1.0);
     visit("tool_height", self.tool_height, 0.0, 10.0);
     visit("wall_clearance", self.wall_clearance, 0.0, 1.0);
+    visit("tool_boxes", self.tool_boxes);
+    visit("tool_cylinders", self.tool_cylinders);
+    visit("tool_clearance", self.tool_clearance, 0.0, 0.1);
+    visit("tool_edges", self.tool_edges, 0.0, 1.0);
     visit("failures_max", self.failures_max, 1, 1000);
     visit("same_place", self.same_place, 0.0, 1.0);
     visit("changed_grey", self.changed_grey, 0.0, 255.0);
@@ -65,6 +75,7 @@ enum class PickRefusal {
   kOccluded,        ///< visible share below visible_min, or no pick pose that nothing covers
   kTilt,            ///< steeper than tilt_max_deg
   kWall,            ///< at each of its pick poses the tool would touch the bin's wall
+  kNoRoom,          ///< at each of them it would touch another part, or what nobody knows
   kFailedBefore,    ///< failures_max picks failed, and nothing has changed about it since
   kOutside,         ///< outside of the asked distances or of the bin's box
   kNoPickPose,      ///< its file has pick poses, none of them for the face that is up
@@ -72,12 +83,6 @@ enum class PickRefusal {
   kNeedsView,       ///< less sure than depth_sigma_max or tilt_sigma_max asks for
   kContradicted,    ///< a second camera shows that it is not there
   kBeyondMaxParts,  ///< would be offered, but for the number that was asked for
-};
-
-/// The bin's inner space as a box; tools come and go through its top.
-struct PickBin {
-  Eigen::Isometry3d T_bin_target = Eigen::Isometry3d::Identity();
-  Eigen::Vector3d min = Eigen::Vector3d::Zero(), max = Eigen::Vector3d::Zero();  ///< bin frame
 };
 
 /// The face of a part that is up, and what is seen to cover it (src/core/locate/judge/occlusion.h).
@@ -104,8 +109,12 @@ struct PickCandidate {
   /// Where its file has pick poses and none fits the face that is up: which there are; else "".
   std::string other_picks;
   PickFace face;
-  PickTool tool;  ///< in place of the parameters', where it says something
+  double approach = 0.0;  ///< metres before the contact, against z, from where the tool comes
+  PickTool tool;          ///< in place of the parameters', where it says something
   Surroundings surroundings;
+  std::shared_ptr<const PartModel> model;  ///< what others bump into; may be null
+  /// For each pick pose metres of edges below the tool that no part explains; may be empty.
+  std::vector<double> strange_edges;
 };
 
 struct Refused {
@@ -152,6 +161,7 @@ class PickPolicy {
   void succeed(const PickCandidate& candidate);
 
   const PickParams& params() const { return params_; }
+  const std::vector<ToolBody>& bodies() const { return bodies_; }
 
  private:
   struct Failure {
@@ -163,11 +173,15 @@ class PickPolicy {
   Failure* find(const PickCandidate& candidate);
   /// How often picks failed there in the scene as it is; forgets them where it has changed.
   int recall(const PickCandidate& candidate);
-  /// Leaves out picks at which the tool would touch the bin's wall or what covers the part.
+  /// Leaves out picks at which the tool would touch the bin, what covers the part, or others.
   /// @return  why none is left, if so
-  std::optional<Refused> dropBarred(const PickCandidate& candidate,
+  std::optional<Refused> dropBarred(const std::vector<PickCandidate>& candidates,
                                     const std::optional<PickBin>& bin,
                                     PickPlan::Offer* offer) const;
+  /// Why the tool cannot go to a pick pose, if so: kWall, kOccluded or kNoRoom.
+  std::optional<PickRefusal> barAt(const std::vector<PickCandidate>& candidates,
+                                   const std::optional<PickBin>& bin, std::size_t candidate,
+                                   std::size_t pick) const;
   /// @param barred  of dropBarred()
   std::optional<Refused> refusal(const PickCandidate& candidate, const std::optional<PickBin>& bin,
                                  const PickPlan::Offer& offer,
@@ -176,6 +190,7 @@ class PickPolicy {
   PickTool toolOf(const PickCandidate& candidate) const;
 
   PickParams params_;
+  std::vector<ToolBody> bodies_;
   std::vector<Failure> failures_;
 };
 

@@ -36,16 +36,17 @@ std::optional<std::string> outsideOf(const PickBin& bin, const PickCandidate& ca
   return std::nullopt;
 }
 
-/// Whether a tool of that radius and height touches no wall on its way out of the bin.
+/// Whether a tool of that radius and height touches no wall between its approach and the contact.
+/// On its way straight up it reaches no farther to the side than at the contact.
 bool toolIsFree(const Eigen::Isometry3d& T_target_pick, const PickBin& bin, double room,
-                double height) {
+                double height, double approach) {
   constexpr int kSteps = 20;
   const Eigen::Isometry3d T_bin_pick = bin.T_bin_target * T_target_pick;
   const Eigen::Vector3d tip = T_bin_pick.translation(), axis = T_bin_pick.linear().col(2);
   // The tool stands on the part against the stroke; what is above the walls is free.
   const double rise = -axis.z(), below = bin.max.z() - tip.z();
   double length = rise > 0.0 ? std::max(0.0, below / rise) : 0.0;
-  if (height > 0.0) length = std::min(length, height);
+  if (height > 0.0) length = std::min(length, height + approach);
   for (int i = 0; i <= kSteps; ++i) {
     const Eigen::Vector3d p = tip - axis * (length * i / kSteps);
     if (p.x() - room < bin.min.x() || p.x() + room > bin.max.x() || p.y() - room < bin.min.y() ||
@@ -89,12 +90,16 @@ const char* remedyFor(PickRefusal reason) {
     case PickRefusal::kWall:
       return "lie at the wall: shake the bin, give the part a pick pose farther inside, or use a "
              "thinner tool";
+    case PickRefusal::kNoRoom:
+      return "have no room for the tool beside them: pick others first, give the part a pick pose "
+             "elsewhere, or use a slimmer tool";
     case PickRefusal::kFailedBefore:
       return "could not be picked before: look at the gripper and at the pick poses, or stir the "
              "bin";
     case PickRefusal::kOutside:
-      return "lie outside of the cell's distances or of its bin: put them back into the bin, or "
-             "correct the numbers in the cell's file";
+      return "lie outside of the cell's distances, its bin or its region: put them back into the "
+             "bin, "
+             "or correct the numbers in the cell's file";
     case PickRefusal::kNoPickPose:
       return "show a face for which their file has no pick pose: give it one, or have them turned "
              "over";
@@ -112,6 +117,17 @@ const char* remedyFor(PickRefusal reason) {
   }
   return "";
 }
+
+struct RangeCheck {
+  template <class Value>
+  void operator()(const char* key, Value value, Value min, Value max) const {
+    if (value >= min && value <= max) return;
+    std::ostringstream text;
+    text << key << " is " << value << ", must lie in " << min << " .. " << max;
+    throw std::invalid_argument(text.str());
+  }
+  void operator()(const char*, const std::vector<double>&) const {}  // toolBodies looks at these
+};
 
 /// What the order looks at.
 PickPlace placeOf(const PickCandidate& candidate, const std::optional<PickBin>& bin) {
@@ -137,12 +153,8 @@ double boxMargin(double sigma) {
 }
 
 PickPolicy::PickPolicy(const PickParams& params) : params_(params) {
-  PickParams::fields(params_, [](const char* key, auto value, auto min, auto max) {
-    if (value >= min && value <= max) return;
-    std::ostringstream text;
-    text << key << " is " << value << ", must lie in " << min << " .. " << max;
-    throw std::invalid_argument(text.str());
-  });
+  PickParams::fields(params_, RangeCheck{});
+  bodies_ = toolBodies(params_.tool_boxes, params_.tool_cylinders);
 }
 
 PickPolicy::Failure* PickPolicy::find(const PickCandidate& candidate) {
@@ -168,27 +180,57 @@ int PickPolicy::recall(const PickCandidate& candidate) {
   return 0;
 }
 
-std::optional<Refused> PickPolicy::dropBarred(const PickCandidate& candidate,
+std::optional<PickRefusal> PickPolicy::barAt(const std::vector<PickCandidate>& candidates,
+                                             const std::optional<PickBin>& bin,
+                                             std::size_t candidate, std::size_t pick) const {
+  const PickCandidate& own = candidates[candidate];
+  const PickTool tool = toolOf(own);
+  const double radius = *tool.radius, room = radius + params_.wall_clearance;
+  const Eigen::Isometry3d& T_target_pick = own.T_target_pick[pick];
+  if (radius > 0.0 && bin && !toolIsFree(T_target_pick, *bin, room, *tool.height, own.approach))
+    return PickRefusal::kWall;
+  if (bodies_.empty()) {
+    const bool is_covered = radius > 0.0 && isCovered(own.face, T_target_pick, radius);
+    return is_covered ? std::optional(PickRefusal::kOccluded) : std::nullopt;
+  }
+  const ToolWay in_bin{bodies_, T_target_pick, own.approach, params_.wall_clearance};
+  if (bin && touchesBin(in_bin, *bin)) return PickRefusal::kWall;
+  if (radius > 0.0 && isCovered(own.face, T_target_pick, radius)) return PickRefusal::kOccluded;
+  const ToolWay way{bodies_, T_target_pick, own.approach, params_.tool_clearance};
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const PickCandidate& other = candidates[i];
+    if (i != candidate && other.model && touchesPart(way, {other.model, other.face.T_target_part}))
+      return PickRefusal::kNoRoom;
+  }
+  const bool is_strange = params_.tool_edges > 0.0 && pick < own.strange_edges.size() &&
+                          own.strange_edges[pick] > params_.tool_edges;
+  return is_strange ? std::optional(PickRefusal::kNoRoom) : std::nullopt;
+}
+
+std::optional<Refused> PickPolicy::dropBarred(const std::vector<PickCandidate>& candidates,
                                               const std::optional<PickBin>& bin,
                                               PickPlan::Offer* offer) const {
-  const PickTool tool = toolOf(candidate);
-  const double radius = *tool.radius, room = radius + params_.wall_clearance;
-  const auto& picks = candidate.T_target_pick;
-  std::size_t covered = 0;
-  for (std::size_t k = 0; k < picks.size(); ++k) {
-    if (radius > 0.0 && bin && !toolIsFree(picks[k], *bin, room, *tool.height)) continue;
-    if (radius > 0.0 && isCovered(candidate.face, picks[k], radius)) {
-      ++covered;
+  const PickCandidate& candidate = candidates[offer->candidate];
+  std::map<PickRefusal, int> bars;
+  for (std::size_t k = 0; k < candidate.T_target_pick.size(); ++k) {
+    if (const auto bar = barAt(candidates, bin, offer->candidate, k)) {
+      ++bars[*bar];
     } else {
       offer->picks.push_back(k);
     }
   }
-  if (!offer->picks.empty() || picks.empty()) return std::nullopt;
-  return covered > 0
-             ? Refused{offer->candidate, PickRefusal::kOccluded,
-                       format("something lies where a tool of radius %.3f m would go", radius)}
-             : Refused{offer->candidate, PickRefusal::kWall,
-                       format("a tool of radius %.3f m would touch the bin's wall", radius)};
+  if (!offer->picks.empty() || candidate.T_target_pick.empty()) return std::nullopt;
+  const double radius = *toolOf(candidate).radius;
+  if (bars.count(PickRefusal::kOccluded) > 0)
+    return Refused{offer->candidate, PickRefusal::kOccluded,
+                   format("something lies where a tool of radius %.3f m would go", radius)};
+  if (bars.count(PickRefusal::kNoRoom) > 0)
+    return Refused{offer->candidate, PickRefusal::kNoRoom,
+                   "the tool would touch another part, or something that nobody knows"};
+  return Refused{offer->candidate, PickRefusal::kWall,
+                 bodies_.empty()
+                     ? format("a tool of radius %.3f m would touch the bin's wall", radius)
+                     : std::string("the tool would touch the bin's wall or its floor")};
 }
 
 std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
@@ -235,7 +277,7 @@ PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
   for (const PickCandidate& candidate : candidates) places.push_back(placeOf(candidate, bin));
   for (const std::size_t i : ordered(places, params_.order)) {
     PickPlan::Offer offer{i, {}, recall(candidates[i])};
-    const auto barred = dropBarred(candidates[i], bin, &offer);
+    const auto barred = dropBarred(candidates, bin, &offer);
     const auto refused = refusal(candidates[i], bin, offer, barred);
     if (refused) {
       plan.refused.push_back(*refused);

@@ -55,6 +55,26 @@ std::string otherPicks(const PartModel& part, const LocatedPart& located) {
   return text;
 }
 
+/// Away from the bin's floor, or from what the answers' frame stands on; toward the camera where
+/// that is its own.
+Eigen::Vector3d upOf(const PickKeeper::Frames& frames) {
+  if (frames.bin) return frames.bin->T_bin_target.linear().row(2);
+  const bool is_camera = frames.T_target_camera.matrix() == Eigen::Matrix4d::Identity();
+  return Eigen::Vector3d(0.0, 0.0, is_camera ? -1.0 : 1.0);
+}
+
+/// The ways to and from the pick poses.
+void addWays(const PartModel& part, const Eigen::Vector3d& up_target, LocatedPart* located) {
+  const auto& robot = part.file().robot;
+  for (auto& pick : located->picks) {
+    const Eigen::Isometry3d T_target_pick = fromMsg(pick.pose);
+    pick.approach =
+        toPoseMsg(T_target_pick * Eigen::Translation3d(0.0, 0.0, -robot.approach.value_or(0.0)));
+    pick.retreat =
+        toPoseMsg(Eigen::Translation3d(up_target * robot.retreat.value_or(0.0)) * T_target_pick);
+  }
+}
+
 /// One detection, what of it is answered, and what the policy judges it by.
 struct Entry {
   Detection detection;
@@ -70,7 +90,9 @@ Entry entryOf(const Answer& answer, const PickScene& scene, const Detection& det
   LocatedPart& located = entry.located;
   PickCandidate& candidate = entry.candidate;
   located.header = answer.header;
+  addWays(part, upOf(frames), &located);
   candidate.part = located.part;
+  candidate.model = answer.parts[detection.part];
   candidate.face = faceOf(part, detection, frames.T_target_camera);
   candidate.center = candidate.face.T_target_part * center;
   const Eigen::Matrix3d R_target_part = candidate.face.T_target_part.linear();
@@ -82,6 +104,7 @@ Entry entryOf(const Answer& answer, const PickScene& scene, const Detection& det
   for (const auto& pick : located.picks) candidate.T_target_pick.push_back(fromMsg(pick.pose));
   candidate.other_picks = otherPicks(part, located);
   candidate.tool = part.file().tool;
+  candidate.approach = part.file().robot.approach.value_or(0.0);
   const Eigen::Vector3d ray = (detection.T_camera_part * center).normalized();
   const Eigen::Matrix3d R_camera_part = detection.T_camera_part.linear();
   const Eigen::Matrix3d place =
@@ -115,6 +138,22 @@ std::vector<Entry> entriesOf(const Answer& answer, const PickKeeper::Frames& fra
   return entries;
 }
 
+/// For each pick pose, what lies below the tool that none of the parts explains.
+void addStrangeEdges(const Answer& answer, const std::vector<planar_bin_picking::ToolBody>& bodies,
+                     const PickKeeper::Frames& frames, std::vector<Entry>* entries) {
+  if (bodies.empty()) return;
+  std::vector<planar_bin_picking::StrangeEdges::Seen> seen;
+  for (const Entry& entry : *entries)
+    seen.push_back({entry.candidate.model, entry.detection.T_camera_part});
+  const planar_bin_picking::StrangeEdges strange(answer.grey, answer.camera, seen);
+  for (Entry& entry : *entries) {
+    for (const auto& T_target_pick : entry.candidate.T_target_pick) {
+      entry.candidate.strange_edges.push_back(
+          strange.below(bodies, frames.T_target_camera.inverse() * T_target_pick));
+    }
+  }
+}
+
 std::uint8_t reasonOf(const PickRefusal reason) {
   switch (reason) {
     case PickRefusal::kLowScore:
@@ -125,6 +164,8 @@ std::uint8_t reasonOf(const PickRefusal reason) {
       return RefusedPart::TILT;
     case PickRefusal::kWall:
       return RefusedPart::WALL;
+    case PickRefusal::kNoRoom:
+      return RefusedPart::NO_ROOM;
     case PickRefusal::kFailedBefore:
       return RefusedPart::FAILED_BEFORE;
     case PickRefusal::kOutside:
@@ -147,7 +188,8 @@ std::uint8_t reasonOf(const PickRefusal reason) {
 
 PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const Call& call,
                                       const Publish& publish) {
-  const std::vector<Entry> entries = entriesOf(answer, frames);
+  std::vector<Entry> entries = entriesOf(answer, frames);
+  addStrangeEdges(answer, policy_.bodies(), frames, &entries);
   std::vector<PickCandidate> candidates;
   for (const Entry& entry : entries) candidates.push_back(entry.candidate);
 
@@ -161,9 +203,13 @@ PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const
     refused.text = entry.text;
     refused.located = entries[entry.candidate].located;
     offered.refused.push_back(refused);
+    answer.refused_detections.push_back(entries[entry.candidate].detection);
     if (entry.reason == PickRefusal::kNeedsView)
       offered.needs_view.push_back(entries[entry.candidate].detection);
   }
+  answer.refused = offered.refused;
+  answer.T_target_camera = frames.T_target_camera;
+  answer.tool_radius = policy_.params().tool_radius;
   answer.located.clear();
   answer.result.detections.clear();
   for (const auto& offer : plan.offers) {

@@ -4,6 +4,8 @@
 
 #include "planar_bin_picking/base/se3.h"
 
+#include <iterator>
+
 namespace planar_bin_picking_ros {
 
 using planar_bin_picking::Detection;
@@ -92,8 +94,18 @@ LocatedPart toMsg(const Detection& detection, const PartModel& part,
     message.picks.emplace_back();
     message.picks.back().name = pick.name;
     message.picks.back().pose = toPoseMsg(T_header_part * pick.T_part_pick);
+    message.picks.back().approach = message.picks.back().retreat = message.picks.back().pose;
   }
+  message.part_number = static_cast<std::uint32_t>(part.file().robot.part_number);
+  message.tool_number = static_cast<std::uint32_t>(part.file().robot.tool_number);
   return message;
+}
+
+const char* nameOfReason(const std::uint8_t reason) {
+  constexpr const char* kNames[] = {"LOW_SCORE",        "OCCLUDED",   "TILT",         "WALL",
+                                    "FAILED_BEFORE",    "OUTSIDE",    "NO_PICK_POSE", "WRONG_FACE",
+                                    "BEYOND_MAX_PARTS", "NEEDS_VIEW", "CONTRADICTED", "NO_ROOM"};
+  return reason < std::size(kNames) ? kNames[reason] : "?";
 }
 
 }  // namespace planar_bin_picking_ros

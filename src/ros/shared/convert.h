@@ -13,6 +13,8 @@
 #include <geometry_msgs/Transform.h>
 #include <planar_bin_picking/LocatedPart.h>
 
+#include <cstdint>
+
 namespace planar_bin_picking_ros {
 
 Eigen::Isometry3d fromMsg(const geometry_msgs::Transform& transform);
@@ -36,5 +38,8 @@ planar_bin_picking::Matrix6d fixedAxesCovariance(const planar_bin_picking::Matri
 planar_bin_picking::LocatedPart toMsg(const planar_bin_picking::Detection& detection,
                                       const planar_bin_picking::PartModel& part,
                                       const Eigen::Isometry3d& T_header_camera);
+
+/// As RefusedPart has it, such as "TILT".
+const char* nameOfReason(std::uint8_t reason);
 
 }  // namespace planar_bin_picking_ros

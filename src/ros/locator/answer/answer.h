@@ -9,6 +9,7 @@
 #include "planar_bin_picking/locate/locator.h"
 
 #include <planar_bin_picking/LocatedPart.h>
+#include <planar_bin_picking/RefusedPart.h>
 #include <std_msgs/Header.h>
 
 #include <opencv2/core/mat.hpp>
@@ -35,6 +36,13 @@ struct Answer {
   std::vector<planar_bin_picking::LocatedPart> located;  ///< best first
   /// Failed picks are remembered by it: the surroundings look different from elsewhere.
   std::optional<FirstPicture> first = {};
+  /// What is not offered, and what of the result it was, in the same order.
+  std::vector<planar_bin_picking::RefusedPart> refused = {};
+  std::vector<planar_bin_picking::Detection> refused_detections = {};
+  Eigen::Isometry3d T_target_camera = Eigen::Isometry3d::Identity();  ///< at the image's stamp
+  double tool_radius = 0.0;  ///< metres, where a part's file names no other
+  /// Of bin and region, camera frame: they are drawn into the picture.
+  std::vector<std::vector<Eigen::Vector3d>> outlines = {};
 };
 
 }  // namespace planar_bin_picking_ros

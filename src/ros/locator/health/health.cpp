@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locator/health/health.h"
 
+#include "shared/convert.h"
 #include "shared/names.h"
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
@@ -36,13 +37,6 @@ const char* nameOfStatus(const std::uint8_t status) {
                                     "BAD_PART_SIZE",
                                     "EMPTY"};
   return status < std::size(kNames) ? kNames[status] : "?";
-}
-
-const char* nameOfReason(const std::uint8_t reason) {
-  constexpr const char* kNames[] = {"LOW_SCORE",    "OCCLUDED",      "TILT",
-                                    "WALL",         "FAILED_BEFORE", "OUTSIDE",
-                                    "NO_PICK_POSE", "WRONG_FACE",    "BEYOND_MAX_PARTS"};
-  return reason < std::size(kNames) ? kNames[reason] : "?";
 }
 
 /// What needs a person is an error, what a robot program goes on from is a warning.
