@@ -36,6 +36,9 @@ COMMANDS = {
     "robot_server": r"roslaunch planar_bin_picking robot_server\.launch ",
     "cell": r"roslaunch planar_bin_picking cell\.launch ",
     "locate": r"rosservice call /locator/locate_part ",
+    "save_region": r"rosservice call /locator/save_region$",
+    "clear_region": r"rosservice call /locator/clear_region$",
+    "locate_bin": r"rosservice call /locator/locate_bin ",
     "cycle_demo": r"roslaunch planar_bin_picking cycle_demo\.launch ",
     "calibrate": r"roslaunch planar_bin_picking calibrate\.launch ",
     "plan": r"rosservice call /calibrator/plan$",
@@ -246,6 +249,9 @@ class Installed(unittest.TestCase):
             session.start(self.here(command("cell")), "cell")
             session.wait_for("rosservice type /locator/locate_part", 60)
             answer = yaml.safe_load(session.run(command("locate")))
+            self.assertIn("region_file", session.run(command("save_region")))  # this cell's file names none
+            self.assertIn("success: True", session.run(command("clear_region")))
+            self.assertIn("names no bin", session.run(command("locate_bin")))
             session.start(self.here(command("robot_server")), "robot_server")
             robot = self.ask_robot_server("locate bracket")
         self.assertEqual(robot[0], "0", robot)

@@ -45,8 +45,12 @@ def transform(parent, child, T, stamp):
     return message
 
 
-def draw(T_base_camera, plates, seed):
-    """8 bit; plates are poses of the plate in base."""
+RIM = [(-108, -78), (108, -78), (108, 78), (-108, 78)]  # mm, about a bin of 200 x 140
+OPENING = [(-100, -70), (100, -70), (100, 70), (-100, 70)]
+
+
+def draw(T_base_camera, plates, seed, bins=()):
+    """8 bit; plates are poses of the plate in base, bins those of bins, whose rims lie in z = 0."""
     large = numpy.full((HEIGHT * FINER, WIDTH * FINER), 60, numpy.uint8)
     circle = [(numpy.cos(a), numpy.sin(a)) for a in numpy.linspace(0, 2 * numpy.pi, 120)]
 
@@ -60,6 +64,10 @@ def draw(T_base_camera, plates, seed):
         fine = numpy.stack([(u + 0.5) * FINER - 0.5, (v + 0.5) * FINER - 0.5], 1)
         cv2.fillPoly(large, [numpy.round(fine * 256).astype(numpy.int32)], grey, cv2.LINE_AA, 8)
 
+    for T_base_bin in bins:
+        T = numpy.linalg.inv(T_base_camera) @ T_base_bin
+        fill(T, RIM, 170)
+        fill(T, OPENING, 90)
     for T_base_plate in plates:
         T = numpy.linalg.inv(T_base_camera) @ T_base_plate
         if (T @ numpy.array([0, 0, 0, 1.0]))[2] < 0.1:
@@ -89,13 +97,13 @@ class DrawnCell:
         self.faults = {}
         threading.Thread(target=self.send, daemon=True).start()
 
-    def show(self, T_base_camera, plates, plates_second=None, **faults):
+    def show(self, T_base_camera, plates, plates_second=None, bins=(), **faults):
         """From now on. Faults: silent, frame_id, encoding, K."""
         with self.lock:
             self.seed += 1
             self.T, self.faults = T_base_camera, faults
             second = plates if plates_second is None else plates_second
-            self.pictures = {"camera": draw(T_base_camera, plates, self.seed),
+            self.pictures = {"camera": draw(T_base_camera, plates, self.seed, bins),
                              "second": draw(self.T_second, second, 100 + self.seed)}
 
     def send(self):

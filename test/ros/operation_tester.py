@@ -27,21 +27,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's relay of it
 from check_cell_cases import CheckCellCases
 from driven_cell import DrivenCell
+from operation_region import RegionCases, center
 
 UP = 60.0  # s, for the node to come up; machines may be busy
 Status = LocatePartResponse
 BIN = {"bin_frame": "base", "bin_min": [0.46, -0.11, -0.03], "bin_max": [0.66, 0.11, 0.17]}
 
 NEAR = {"order_near": 1000.0, "near_x": 0.3, "near_y": 0.3, "near_z": 0.1}
-CENTER = (0.06, 0.04, 0.0)  # of the bracket, from its origin, m; to the thickness
-
-
-def center(part):
-    """In the answer's frame."""
-    p, q = part.pose.pose.position, part.pose.pose.orientation
-    axis, x = numpy.array([q.x, q.y, q.z]), numpy.array(CENTER)
-    turned = x + 2.0 * numpy.cross(axis, numpy.cross(axis, x) + q.w * x)
-    return numpy.array([p.x, p.y, p.z]) + turned
 
 
 def floor(plates):
@@ -55,7 +47,7 @@ def floor(plates):
     return spoil
 
 
-class Operation(CheckCellCases, unittest.TestCase):
+class Operation(CheckCellCases, RegionCases, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = rospkg.RosPack().get_path("planar_bin_picking")
@@ -69,6 +61,7 @@ class Operation(CheckCellCases, unittest.TestCase):
         cls.start("op", **snapshots, **BIN)
         cls.start("coarse", {"order_walls": 1000.0}, **{"empty_mark": 0.5, "parts_poll": 0.0}, **BIN)
         cls.start("no_bin", NEAR, distance_min=0.78, distance_max=0.98)
+        cls.start_region()
         cls.start("highest", {"order_height": 1000.0}, distance_min=0.78, distance_max=0.98)
         time.sleep(2.0)  # of tf, which the first call needs
 

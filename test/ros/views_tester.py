@@ -12,12 +12,14 @@ import numpy
 import rospy
 import rostest
 import tf2_ros
+from geometry_msgs.msg import PoseStamped
 from planar_bin_picking.msg import LocatedParts, PartLook, RefusedPart
-from planar_bin_picking.srv import (LocatePart, LocatePartResponse, NextView, NextViewResponse, RefinePart,
-                                    RefinePartResponse)
+from planar_bin_picking.srv import (LocateBin, LocateBinResponse, LocatePart, LocatePartResponse, NextView,
+                                    NextViewResponse, RefinePart, RefinePartResponse)
+from visualization_msgs.msg import MarkerArray
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's relay of it
-from drawn_cell import DrawnCell, rotation, shift
+from drawn_cell import DrawnCell, rotation, shift, transform
 
 UP = 60.0  # s, for the nodes to come up
 HOME = shift(0.0, 0.0, 0.6) @ rotation("x", 180)
@@ -59,11 +61,12 @@ class Views(unittest.TestCase):
         cls.cell = DrawnCell(orbit(-30))
         cls.buffer = tf2_ros.Buffer()
         cls.listener = tf2_ros.TransformListener(cls.buffer)
-        for name in ("locator", "demanding", "level", "two_cameras", "misled"):
+        cls.cell.static.sendTransform(transform("base", "tray", shift(0, 0, 0), rospy.Time.now()))
+        for name in ("locator", "demanding", "level", "two_cameras", "misled", "binned"):
             for service in ("locate_part", "refine_part", "next_view"):
                 rospy.wait_for_service(f"{name}/{service}", UP)
         end = time.monotonic() + UP  # until each of them hears tf; this one listens, too
-        while cls.cell.tf.pub_tf.get_num_connections() < 6 and time.monotonic() < end:
+        while cls.cell.tf.pub_tf.get_num_connections() < 7 and time.monotonic() < end:
             time.sleep(0.02)
 
     def locate(self, locator="locator", status=LocatePartResponse.OK, plates=PLATES, **second):
@@ -95,6 +98,9 @@ class Views(unittest.TestCase):
             proposed = self.next_view(part)
             self.assertEqual(proposed.status, NextViewResponse.OK, proposed.message)
             self.assertEqual(proposed.camera.header.frame_id, "base")
+            scene = rospy.wait_for_message("locator/scene", MarkerArray, UP).markers
+            shown = [marker for marker in scene if marker.ns == "next_view"]
+            self.assertEqual(shown[0].pose, proposed.camera.pose)
             self.cell.show(matrix(proposed.camera.pose), PLATES)
             answer = self.refine(part.header.stamp, part.child_frame)
             self.assertEqual(answer.status, RefinePartResponse.OK, answer.message)
@@ -229,6 +235,59 @@ class Views(unittest.TestCase):
         there = self.locate("two_cameras", plates_second=PLATES[:1])
         self.assertEqual([p.views for p in there.parts], [2])
         self.assertEqual([r.reason for r in there.refused], [RefusedPart.CONTRADICTED])
+
+
+    # --- the bin -----------------------------------------------------------------------------------
+    def locate_bin(self, status, T_base_bin=None, plates=(), locator="binned", **fields):
+        self.cell.show(HOME, plates, bins=[] if T_base_bin is None else [T_base_bin])
+        answer = rospy.ServiceProxy(locator + "/locate_bin", LocateBin)(**fields)
+        self.assertEqual(answer.status, status, answer.message)
+        return answer
+
+    def test_a_bin_that_stands_otherwise_is_found(self):
+        there = shift(0.035, -0.02, 0.01) @ rotation("z", 6) @ rotation("x", 3)
+        found = self.locate_bin(LocateBinResponse.OK, there)
+        self.assertEqual(found.bin.header.frame_id, "base")
+        self.assertLess(numpy.linalg.norm(matrix(found.bin.pose) - there), 0.01)
+        self.assertLess(numpy.linalg.norm(matrix(found.bin.pose)[:3, 3] - there[:3, 3]), 0.002)
+        self.assertAlmostEqual(found.moved, 0.0415, delta=0.002)
+        self.assertAlmostEqual(numpy.degrees(found.turned), 6.0, delta=0.3)
+        self.assertAlmostEqual(numpy.degrees(found.tilted), 3.0, delta=0.5)
+        self.assertGreater(found.score, 0.6)
+        self.assertIn("41.", found.message)
+        # A plate beside the file's box, and within the bin where it stands.
+        plate = [there @ shift(0.085, 0.0, -0.01)]
+        self.cell.show(HOME, plate, bins=[there])
+        locate = rospy.ServiceProxy("binned/locate_part", LocatePart)
+        outside = locate(part="plate")
+        self.assertEqual([r.reason for r in outside.refused], [RefusedPart.OUTSIDE], outside.message)
+        self.locate_bin(LocateBinResponse.OK, there, plate, use=True)
+        published = rospy.wait_for_message("binned/bin", PoseStamped, UP)
+        self.assertLess(numpy.linalg.norm(matrix(published.pose)[:3, 3] - there[:3, 3]), 0.002)
+        self.assertEqual(locate(part="plate").status, LocatePartResponse.OK)
+        # Farther off than the cell allows: said, and not believed.
+        for far, words in ((there @ rotation("z", 6), "turned"), (there @ shift(0.03, 0, 0), "moved")):
+            self.assertIn("bin_" + words, self.locate_bin(LocateBinResponse.TOO_FAR, far, use=True).message)
+        self.cell.show(HOME, plate, bins=[there])
+        self.assertEqual(locate(part="plate").status, LocatePartResponse.OK)
+        self.locate_bin(LocateBinResponse.OK, there, plate, forget=True)
+        self.assertEqual([r.reason for r in locate(part="plate").refused], [RefusedPart.OUTSIDE])
+
+    def test_no_bin_is_an_answer(self):
+        self.locate_bin(LocateBinResponse.NOT_FOUND)
+        self.locate_bin(LocateBinResponse.NOT_SET, locator="locator")
+        self.locate_bin(LocateBinResponse.BAD_REQUEST, timeout=rospy.Duration(-1.0))
+        self.locate_bin(LocateBinResponse.NO_IMAGE, not_before=rospy.Time.now() + rospy.Duration(60),
+                        timeout=rospy.Duration(0.3))
+        self.cell.show(HOME, [], K=[0.0] * 9)
+        call = rospy.ServiceProxy("binned/locate_bin", LocateBin)
+        self.assertEqual(call().status, LocateBinResponse.BAD_CAMERA_INFO)
+        self.cell.show(HOME, [], encoding="32FC1")
+        self.assertEqual(call().status, LocateBinResponse.BAD_IMAGE)
+        self.cell.show(HOME, [], frame_id="nowhere")
+        self.assertEqual(call().status, LocateBinResponse.NO_TRANSFORM)
+        self.cell.show(shift(0.0, 0.0, -0.6) @ rotation("x", 180), [])  # the rim is behind it
+        self.assertEqual(call().status, LocateBinResponse.BAD_BIN)
 
 
 if __name__ == "__main__":

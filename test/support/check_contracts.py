@@ -20,7 +20,8 @@ EXPECTED = {"status": ("LocatePart", 1), "face": ("LocatePart", 0), "reason": ("
 STRUCTS = {"hdr.yaml": "HdrNodeParams", "cell.yaml": "CellParams", "calibrator.yaml": "CalibratorParams",
            "pick.yaml": "PickParams", "robot_server.yaml": "RobotServerParams"}
 # Whatever provokes it through the interface is a fault to be mended.
-UNREACHABLE = {f"{name}.srv response: constant INTERNAL_ERROR" for name in ("LocatePart", "NextView", "RefinePart")}
+UNREACHABLE = {f"{name}.srv response: constant INTERNAL_ERROR"
+               for name in ("LocateBin", "LocatePart", "NextView", "RefinePart")}
 PICK_KEYS = {"name", "face", "symmetric"}
 PART_KEYS_IN = "src/core/part/part_file.cpp"
 

@@ -12,10 +12,12 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace planar_bin_picking_ros {
 
 using planar_bin_picking::Detection;
+using planar_bin_picking::Region;
 
 namespace {
 
@@ -31,6 +33,18 @@ std::vector<Eigen::Vector3d> outlineOf(const Answer& answer, const Detection& de
 }
 
 }  // namespace
+
+BinFinder::Settings binSettings(const CellParams& cell) {
+  BinFinder::Settings settings{cell.bin_frame, cell.target_frame, {}};
+  if (!cell.hasBin()) return settings;
+  settings.search.told.min = Eigen::Vector3d(cell.bin_min.data());
+  settings.search.told.max = Eigen::Vector3d(cell.bin_max.data());
+  settings.search.wall = cell.bin_wall;
+  settings.search.moved_max = cell.bin_moved_max;
+  settings.search.turned_max_deg = cell.bin_turned_max_deg;
+  settings.search.tilted_max_deg = cell.bin_tilted_max_deg;
+  return settings;
+}
 
 DistanceRange distanceRange(const CellParams& cell, const Eigen::Isometry3d& T_camera_bin) {
   DistanceRange range{std::numeric_limits<double>::infinity(),
@@ -71,6 +85,62 @@ planar_bin_picking::FloorCover lookIntoBin(const CellParams& cell,
   for (const auto& withheld : answer.result.withheld)
     located.push_back(outlineOf(answer, withheld.detection));
   return planar_bin_picking::findFloorCover(answer.grey, answer.camera, box, located);
+}
+
+std::optional<planar_bin_picking::PixelBox> windowOf(
+    const SeenRegion& region, const planar_bin_picking::Camera& camera,
+    const planar_bin_picking::LocateRequest& request) {
+  if (region.region.isEverywhere()) return std::nullopt;
+  // What covers a part is seen about it, and its face may be somewhat nearer than asked for.
+  constexpr double kAbout = 1.3;
+  double radius = 0.0;
+  for (const auto& part : request.parts) radius = std::max(radius, part->radius());
+  return planar_bin_picking::windowOf(region.region, camera, region.T_region_camera,
+                                      {request.distance_min, request.distance_max},
+                                      kAbout * radius);
+}
+
+void keepWithin(const SeenRegion& region, Answer* answer) {
+  if (region.region.isEverywhere()) return;
+  std::vector<Detection> within;
+  for (const Detection& detection : answer->result.detections) {
+    const planar_bin_picking::PartModel& part = *answer->parts[detection.part];
+    const Eigen::Vector3d center =
+        detection.T_camera_part *
+        Eigen::Vector3d(part.center().x(), part.center().y(), part.faceZ(detection.face));
+    const auto why = planar_bin_picking::outsideOf(region.region, answer->camera,
+                                                   region.T_region_camera, center);
+    if (why) {
+      answer->result.withheld.push_back({detection, planar_bin_picking::Withheld::kOutside, *why});
+    } else {
+      within.push_back(detection);
+    }
+  }
+  answer->result.detections = std::move(within);
+}
+
+void addOutlines(const CellParams& cell, const std::optional<Eigen::Isometry3d>& T_camera_bin,
+                 const SeenRegion& region, Answer* answer) {
+  const auto add = [&](const planar_bin_picking::RegionOutline& outline, const double z,
+                       const Eigen::Isometry3d& T_camera_outline) {
+    if (outline.empty()) return;
+    answer->outlines.emplace_back();
+    for (const Eigen::Vector2d& p : outline)
+      answer->outlines.back().push_back(T_camera_outline * Eigen::Vector3d(p.x(), p.y(), z));
+  };
+  if (T_camera_bin) {
+    const auto& min = cell.bin_min;
+    const auto& max = cell.bin_max;
+    const auto box =
+        planar_bin_picking::regionOutline(std::vector<double>{min[0], min[1], max[0], max[1]});
+    add(box, min[2], *T_camera_bin);
+    add(box, max[2], *T_camera_bin);
+  }
+  add(region.region.metres, 0.0, region.T_region_camera.inverse());
+  if (region.region.pixels.empty()) return;
+  answer->outlines.emplace_back();
+  for (const Eigen::Vector2d& pixel : region.region.pixels)
+    answer->outlines.back().push_back(answer->camera.undistort(pixel).homogeneous());
 }
 
 }  // namespace planar_bin_picking_ros

@@ -2,20 +2,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// Where a cell's frames stand at an image's stamp: the camera, the answers' frame, bin and plane.
+/// Where a cell's frames stand at an image's stamp: the camera, the answers' frame, bin, region and
+/// plane.
 
 #include "locator/settings/cell_params.h"
 #include "locator/pick_keeper.h"
 #include "planar_bin_picking/locate/locate_request.h"
 #include "shared/transforms.h"
 
+#include <geometry_msgs/TransformStamped.h>
 #include <std_msgs/Header.h>
 
 #include <Eigen/Geometry>
 
+#include <mutex>
+#include <optional>
 #include <string>
 
 namespace planar_bin_picking_ros {
+
+/// What one call needs to know.
+struct Standing {
+  PickKeeper::Frames pick;  ///< the answers' frame from the camera's, and the bin
+  std::optional<Eigen::Isometry3d> T_camera_bin, T_camera_plane;  ///< where the cell names them
+  /// Identity where the cell names no frame for a region.
+  Eigen::Isometry3d T_region_camera = Eigen::Isometry3d::Identity();
+};
 
 class CellFrames {
  public:
@@ -27,18 +39,30 @@ class CellFrames {
   Eigen::Isometry3d transform(const std::string& target, const std::string& source,
                               const ros::Time& stamp) const;
 
+  /// @param image   its header
+  /// @param target  frame of the answers
+  /// @param flange  where it stands, in place of tf; without a child_frame_id tf says it
+  /// @throws Refusal  NO_TRANSFORM
+  Standing at(const std_msgs::Header& image, const std::string& target,
+              const geometry_msgs::TransformStamped& flange = {}) const;
+
   /// Distances and plane of a call, without parts; max_parts is 0, since the pick policy cuts,
   /// after it has taken out what it refuses.
-  /// @param image  its header
-  planar_bin_picking::LocateRequest request(const std_msgs::Header& image) const;
+  /// @throws Refusal  BAD_BIN, BAD_PLANE
+  planar_bin_picking::LocateRequest request(const Standing& standing) const;
 
-  /// @param answer  stamp of the image, target frame
-  PickKeeper::Frames pickFrames(const std_msgs::Header& answer,
-                                const Eigen::Isometry3d& T_target_camera) const;
+  /// The bin stands so from where tf has it.
+  void useBin(const Eigen::Isometry3d& T_told_found);
+  Eigen::Isometry3d binFromTold() const;  ///< T_told_found
 
  private:
+  mutable std::mutex mutex_;
+  Eigen::Isometry3d T_told_found_ = Eigen::Isometry3d::Identity();
   const CellParams& cell_;
   const TransformBuffer& buffer_;
 };
+
+/// @throws Refusal  BAD_REQUEST: it names one of its frames only, or is no pose
+void checkFlange(const geometry_msgs::TransformStamped& flange);
 
 }  // namespace planar_bin_picking_ros

@@ -3,6 +3,7 @@
 #include "locator/locator_ros.h"
 
 #include "locator/bin_range.h"
+#include "locator/call_checks.h"
 #include "locator/conclusion.h"
 #include "locator/plane_frame.h"
 #include "locator/settings/load_params.h"
@@ -23,7 +24,6 @@
 namespace planar_bin_picking_ros {
 
 using planar_bin_picking::Camera;
-using planar_bin_picking::FaceFilter;
 using planar_bin_picking::LocatePart;
 using planar_bin_picking::LocateRequest;
 
@@ -31,26 +31,10 @@ namespace {
 
 /// Served at once; further ones queue up. Most of them wait for an image, which costs a thread.
 constexpr std::size_t kCalls = 32;
-constexpr double kLongestWait = 3600.0;  ///< s; a call that waits longer has been forgotten
-constexpr int kLeastPixels = 64;         ///< per side, as Locator::locate has it
 
 ros::NodeHandle onQueue(ros::NodeHandle nh, ros::CallbackQueue* queue) {
   nh.setCallbackQueue(queue);
   return nh;
-}
-
-FaceFilter faceFilter(const std::uint8_t face) {
-  using Request = planar_bin_picking::LocatePart::Request;
-  switch (face) {
-    case Request::ANY:
-      return FaceFilter::kAny;
-    case Request::FRONT:
-      return FaceFilter::kFront;
-    case Request::BACK:
-      return FaceFilter::kBack;
-  }
-  throw Refusal(planar_bin_picking::LocatePart::Response::BAD_REQUEST,
-                "face is " + std::to_string(face) + "; it must be ANY (0), FRONT (1) or BACK (2)");
 }
 
 /// The parts' names as the request has them.
@@ -63,50 +47,6 @@ std::string wishOf(const LocatePart::Request& request) {
 std::optional<Camera> loadCameraFile(const std::string& path) {
   if (path.empty()) return std::nullopt;
   return planar_bin_picking::loadCamera(path);
-}
-
-/// @throws Refusal  BAD_REQUEST: a time that no image can meet
-void checkTimes(const LocatePart::Request& request) {
-  const auto refuse = [](const std::string& text) {
-    throw Refusal(LocatePart::Response::BAD_REQUEST, text);
-  };
-  if (request.timeout < ros::Duration(0))
-    refuse("timeout is negative; zero means the cell's image_timeout");
-  if (request.timeout.toSec() > kLongestWait)
-    refuse("timeout is " + std::to_string(request.timeout.toSec()) + " s; an hour is the most");
-  const ros::Time now = ros::Time::now();
-  if (!now.isZero() && request.not_before.toSec() - now.toSec() > kLongestWait) {
-    refuse("not_before lies " + std::to_string(request.not_before.toSec() - now.toSec()) +
-           " s in the future; give the time at which the robot stood still, or zero for now");
-  }
-}
-
-void checkSize(const sensor_msgs::Image& image) {
-  if (image.width >= kLeastPixels && image.height >= kLeastPixels) return;
-  throw Refusal(LocatePart::Response::BAD_IMAGE,
-                "image: is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                    " pixels, must have " + std::to_string(kLeastPixels) +
-                    " each way; check the driver's region of interest");
-}
-
-/// Takes out parts that cannot be located in such a picture.
-/// @return  what is wrong with them; "" where nothing is
-/// @throws Refusal  BAD_PART_SIZE: none is left
-std::string dropUnsuitable(const Camera& camera, LocateRequest* request) {
-  std::string text;
-  std::vector<PartPtr> suitable;
-  for (const PartPtr& part : request->parts) {
-    try {
-      planar_bin_picking::checkPartSize(*part, camera, request->distance_min,
-                                        request->distance_max);
-      suitable.push_back(part);
-    } catch (const planar_bin_picking::PartSizeError& error) {
-      text += (text.empty() ? "" : "; ") + std::string(error.what());
-    }
-  }
-  if (suitable.empty()) throw Refusal(LocatePart::Response::BAD_PART_SIZE, text);
-  request->parts = suitable;
-  return text;
 }
 
 }  // namespace
@@ -149,17 +89,23 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       cell_frames_(cell_, tf_buffer_),
       source_(image_nh_, pnh),
       publisher_(call_pnh_, prompt_pnh_, cell_.frame_prefix),
+      scene_(call_pnh_),
+      region_(
+          {cell_.region, cell_.region_px, cell_.regionFrame(), cell_.region_file, cell_.tf_timeout},
+          tf_buffer_, onQueue(nh, &prompt_queue_), prompt_pnh_, scene_),
       picks_(loadPickParams(readTree(pnh, kPickParams))),
       part_services_(parts_, call_pnh_, prompt_pnh_),
       snapshots_(
           {cell_.snapshot_folder, cell_.snapshots_max, cell_.snapshots_mb, cell_.snapshot_failures},
           settings(), call_pnh_),
       health_(source_, parts_, {!cell_.trigger_service.empty(), settings()}, prompt_pnh_),
+      bin_(binSettings(cell_), binHost(), call_pnh_),
       views_(image_nh_, call_pnh_, pnh, locator_.params(), cell_, viewHost()),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_),
       prompt_spinner_(1, &prompt_queue_) {
   checkOnePlane(cell_, locator_.params().plane);
+  showCell();
   ROS_INFO_STREAM("locator:" << describe(locator_.params()));
   ROS_INFO_STREAM("cell:" << describe(cell_));
   service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
@@ -175,6 +121,7 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
 LocatorRos::~LocatorRos() {
   source_.close();  // before the spinner, which waits for the calls that are being served
   views_.close();
+  bin_.close();
   service_.shutdown();
   report_service_.shutdown();
   call_spinner_.stop();
@@ -242,6 +189,7 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   publisher_.withdraw(parts);  // whatever comes of this call, the former answer no longer holds
   faceFilter(request.face);    // refuses a wrong request before it waits
   checkTimes(request);
+  checkFlange(request.flange);
   const Frame frame = awaitFrame(request);
   watch.lap("wait");
 
@@ -250,15 +198,16 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   watch.lap("convert");
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
-  const auto T_target_camera =
-      cell_frames_.transform(answer.header.frame_id, image.frame_id, image.stamp);
-  LocateRequest locate_request = cell_frames_.request(image);
+  const Standing standing = cell_frames_.at(image, answer.header.frame_id, request.flange);
+  const Eigen::Isometry3d& T_target_camera = standing.pick.T_target_camera;
+  LocateRequest locate_request = cell_frames_.request(standing);
   locate_request.parts = answer.parts;
   locate_request.face = faceFilter(request.face);
   const std::string unsuitable = dropUnsuitable(answer.camera, &locate_request);
   checkPlane(locate_request, answer.camera, locator_.params().plane);
   answer.parts = locate_request.parts;
-  const PickKeeper::Frames frames = cell_frames_.pickFrames(answer.header, T_target_camera);
+  const SeenRegion region{region_.current(), standing.T_region_camera};
+  locate_request.window = windowOf(region, answer.camera, locate_request);
   watch.lap("transform");
   {
     // One at a time: a call uses all cores anyway, and two would need twice the memory.
@@ -273,13 +222,15 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   if (views_.lookInSecond(asked, request.timeout, T_target_camera, &answer))
     watch.lap("second camera");
   planar_bin_picking::FloorCover cover;
-  if (frames.bin) {
-    cover = lookIntoBin(cell_, (frames.bin->T_bin_target * T_target_camera).inverse(), answer);
+  if (standing.T_camera_bin) {
+    cover = lookIntoBin(cell_, *standing.T_camera_bin, answer);
     watch.lap("floor");
   }
+  keepWithin(region, &answer);
+  show(standing, region, locate_request.distance_max, &answer);
   const Answer seen = answer;
-  auto offered = offer(std::move(answer), frames, {caller, request.max_parts});
-  views_.keep(seen, offered, frames);
+  auto offered = offer(std::move(answer), standing.pick, {caller, request.max_parts});
+  views_.keep(seen, offered, standing.pick);
   watch.lap("publish");
   response.parts = std::move(offered.parts);
   response.refused = std::move(offered.refused);
@@ -298,19 +249,66 @@ PickKeeper::Offered LocatorRos::offer(Answer answer, const PickKeeper::Frames& f
   });
 }
 
+void LocatorRos::showCell() {
+  if (cell_.hasBin()) {
+    scene_.show("bin", binMarkers(cell_.bin_frame, cell_frames_.binFromTold(),
+                                  Eigen::Vector3d(cell_.bin_min.data()),
+                                  Eigen::Vector3d(cell_.bin_max.data())));
+  }
+  if (!cell_.plane_frame.empty()) scene_.show("plane", planeMarkers(cell_.plane_frame));
+}
+
+void LocatorRos::show(const Standing& standing, const SeenRegion& region, const double distance,
+                      Answer* answer) {
+  addOutlines(cell_, standing.T_camera_bin, region, answer);
+  scene_.show("next view", {});  // was of the answer before
+  scene_.show("camera",
+              cameraMarkers({"camera", answer->header.frame_id, standing.pick.T_target_camera,
+                             answer->camera, distance, region.region.pixels}));
+}
+
+Frame LocatorRos::awaitImage(const ros::Time& not_before, const ros::Duration& timeout) {
+  Request request;
+  request.not_before = not_before;
+  request.timeout = timeout;
+  return awaitFrame(request);
+}
+
+BinFinder::Host LocatorRos::binHost() {
+  const auto use = [this](const Eigen::Isometry3d& T_told_found) {
+    cell_frames_.useBin(T_told_found);
+    showCell();
+  };
+  return {[this](const auto&... args) { return awaitImage(args...); },
+          [this](const auto& frame) { return cameraOf(frame); },
+          [this](const auto&... args) { return cell_frames_.transform(args...); },
+          use,
+          &locator_,
+          &locate_mutex_};
+}
+
 ViewServices::Host LocatorRos::viewHost() {
-  const auto await = [this](const ros::Time& not_before, const ros::Duration& timeout) {
-    Request request;
-    request.not_before = not_before;
-    request.timeout = timeout;
-    return awaitFrame(request);
-  };
   const auto offer_all = [this](Answer answer, const auto& T_target_camera, const auto& caller) {
-    const auto frames = cell_frames_.pickFrames(answer.header, T_target_camera);
-    return offer(std::move(answer), frames, {caller, 0});
+    const auto standing = cell_frames_.at(answer.frame.image->header, answer.header.frame_id);
+    SeenRegion region{region_.current(), standing.T_region_camera};
+    region.region.pixels.clear();  // of the first picture; this one may be taken from elsewhere
+    keepWithin(region, &answer);
+    return offer(std::move(answer), {T_target_camera, standing.pick.bin}, {caller, 0});
   };
-  return {await, [this](const auto& frame) { return cameraOf(frame); },
-          [this](const auto&... args) { return cell_frames_.transform(args...); }, offer_all,
+  const auto show = [this](const auto& T_target_camera, const Camera& camera) {
+    scene_.show("next view", cameraMarkers({"next_view",
+                                            cell_.target_frame,
+                                            T_target_camera,
+                                            camera,
+                                            cell_.focus_min,
+                                            {},
+                                            "next view"}));
+  };
+  return {[this](const auto&... args) { return awaitImage(args...); },
+          [this](const auto& frame) { return cameraOf(frame); },
+          [this](const auto&... args) { return cell_frames_.transform(args...); },
+          offer_all,
+          show,
           &locate_mutex_};
 }
 

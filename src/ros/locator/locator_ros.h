@@ -11,10 +11,13 @@
 
 #include "input/image_source.h"
 #include "locator/answer/answer_publisher.h"
+#include "locator/answer/scene_publisher.h"
+#include "locator/bin_range.h"
 #include "locator/cell_frames.h"
 #include "locator/health/health.h"
 #include "locator/parts/part_services.h"
 #include "locator/pick_keeper.h"
+#include "locator/region/region_keeper.h"
 #include "locator/settings/cell_params.h"
 #include "locator/snapshot/snapshot_keeper.h"
 #include "locator/view_services.h"
@@ -59,9 +62,15 @@ class LocatorRos {
   PickKeeper::Offered offer(Answer answer, const PickKeeper::Frames& frames,
                             const PickKeeper::Call& call);
   ViewServices::Host viewHost();
+  BinFinder::Host binHost();
+  Frame awaitImage(const ros::Time& not_before, const ros::Duration& timeout);
   Frame awaitFrame(const Request& request);
   /// As the file says, where there is one, or else as its camera_info. @throws Refusal
   planar_bin_picking::Camera cameraOf(const Frame& frame) const;
+  void showCell();  ///< bin and plane in rviz
+  /// Camera, bin and region as a call's picture has them, in rviz and in the overlay.
+  /// @param distance  up to which the camera looks, metres
+  void show(const Standing& standing, const SeenRegion& region, double distance, Answer* answer);
   /// Asks for an image where images do not come of themselves. @throws Refusal  NO_IMAGE
   void trigger();
 
@@ -74,14 +83,17 @@ class LocatorRos {
   ros::NodeHandle image_nh_, call_pnh_, prompt_pnh_;
   TransformBuffer tf_buffer_;
   TransformListener tf_listener_;  // has a thread of its own
-  const CellFrames cell_frames_;
+  CellFrames cell_frames_;
   ImageSource source_;
   AnswerPublisher publisher_;
+  ScenePublisher scene_;
+  RegionKeeper region_;
   PickKeeper picks_;
   PartServices part_services_;
   SnapshotKeeper snapshots_;
   Health health_;
   std::mutex locate_mutex_;
+  BinFinder bin_;
   ViewServices views_;
   ros::ServiceServer service_, report_service_;
   ros::AsyncSpinner image_spinner_, call_spinner_, prompt_spinner_;

@@ -291,6 +291,7 @@ void ViewServices::propose(const NextView::Request& request, NextView::Response*
   expected.covariance = next->covariance;
   response->expected = toMsg(expected, *kept.part, kept.T_target_first).pose;
   response->message = "look from there";
+  host_.show(kept.T_target_first * next->T_first_camera, kept.camera);
 }
 
 bool ViewServices::lookInSecond(const ros::Time& not_before, const ros::Duration& timeout,

@@ -38,6 +38,10 @@ class ViewServices {
     std::function<PickKeeper::Offered(Answer answer, const Eigen::Isometry3d& T_target_camera,
                                       const std::string& caller)>
         offer;
+    /// A camera that was proposed, for people.
+    std::function<void(const Eigen::Isometry3d& T_target_camera,
+                       const planar_bin_picking::Camera& camera)>
+        show;
     std::mutex* locate_mutex;
   };
 

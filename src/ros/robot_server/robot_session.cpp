@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot_server/robot_session.h"
 
-#include "robot_server/flange_on_tf.h"
 #include "shared/convert.h"
+#include "shared/names.h"
 #include "shared/timed_call.h"
 
 #include <planar_bin_picking/LocatePart.h>
 #include <planar_bin_picking/ReportPick.h>
+#include <std_srvs/Trigger.h>
 
-#include <memory>
 #include <stdexcept>
 
 namespace planar_bin_picking_ros {
@@ -72,7 +72,18 @@ RobotCell::RobotCell(const RobotServerParams& server, const ros::NodeHandle& nod
     : params(server),
       convention(conventionOf(server.convention)),
       T_tool_flange(flangeInTool(server)),
-      nh(node) {}
+      nh(node) {
+  status_ = nh.subscribe<std_msgs::String>(params.calibrator + "/" + kStatusTopic, 1,
+                                           [this](const std_msgs::String::ConstPtr& status) {
+                                             const std::lock_guard<std::mutex> lock(mutex_);
+                                             calibration_ = status->data;
+                                           });
+}
+
+std::string RobotCell::calibration() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return calibration_;
+}
 
 std::string RobotSession::text(const RobotCode code, const std::string& words) const {
   return planar_bin_picking::textLine(code, words, cell_.convention);
@@ -88,6 +99,8 @@ std::string RobotSession::answer(const std::string& line) {
         return locate(command);
       case RobotCommand::Kind::kNext:
         return next();
+      case RobotCommand::Kind::kCalibrate:
+        return calibrate(command.step);
       case RobotCommand::Kind::kReport:
         break;
     }
@@ -105,14 +118,12 @@ std::string RobotSession::locate(const RobotCommand& command) {
   LocatePart service;
   service.request.parts = command.parts;
   service.request.face = faceOf(command.face);
-  std::unique_lock<std::mutex> lock(cell_.flange, std::defer_lock);
-  std::unique_ptr<FlangeOnTf> flange;
   if (command.T_base_flange) {
     if (cell_.params.flange_frame.empty())
       throw std::invalid_argument("the flange's pose was sent; name its frame in flange_frame");
-    lock.lock();
-    flange = std::make_unique<FlangeOnTf>(cell_.tf, cell_.params.base_frame,
-                                          cell_.params.flange_frame, *command.T_base_flange);
+    service.request.flange.header.frame_id = cell_.params.base_frame;
+    service.request.flange.child_frame_id = cell_.params.flange_frame;
+    service.request.flange.transform = toTransformMsg(*command.T_base_flange);
   }
   const std::string name = cell_.params.locator + "/locate_part";
   const CallEnd end = callWithin(cell_.nh, name, cell_.params.timeout, &service);
@@ -128,23 +139,41 @@ std::string RobotSession::locate(const RobotCommand& command) {
       "to go");
 }
 
+planar_bin_picking::RobotPose RobotSession::poseOf(
+    const planar_bin_picking::LocatedPick& pick) const {
+  const Eigen::Isometry3d T_base_tool = fromMsg(pick.pose);
+  // Where the part's file says nothing, both are the pick pose itself.
+  const auto isSaid = [&](const geometry_msgs::Pose& pose) {
+    return (fromMsg(pose).translation() - T_base_tool.translation()).norm() > 0.0;
+  };
+  planar_bin_picking::RobotPose pose;
+  pose.T_base_target = T_base_tool * cell_.T_tool_flange;
+  if (const double before = 1e-3 * cell_.params.approach_mm; before > 0.0) {
+    const Eigen::Isometry3d T_base_before =
+        isSaid(pick.approach) ? fromMsg(pick.approach)
+                              : T_base_tool * Eigen::Translation3d(0.0, 0.0, -before);
+    pose.T_base_approach = T_base_before * cell_.T_tool_flange;
+  }
+  if (const double above = 1e-3 * cell_.params.retreat_mm; above > 0.0) {
+    const Eigen::Isometry3d T_base_above =
+        isSaid(pick.retreat) ? fromMsg(pick.retreat)
+                             : Eigen::Translation3d(0.0, 0.0, above) * T_base_tool;
+    pose.T_base_retreat = T_base_above * cell_.T_tool_flange;
+  }
+  return pose;
+}
+
 std::string RobotSession::offer(const std::string& otherwise) {
   while (!waiting_.empty()) {
     current_ = waiting_.front();
     waiting_.pop_front();
     if (current_->picks.empty()) continue;
-    planar_bin_picking::RobotPose pose;
-    const Eigen::Isometry3d T_base_tool = fromMsg(current_->picks.front().pose);
-    pose.T_base_target = T_base_tool * cell_.T_tool_flange;
-    if (cell_.params.approach_mm > 0.0) {
-      pose.T_base_approach = T_base_tool *
-                             Eigen::Translation3d(0.0, 0.0, -1e-3 * cell_.params.approach_mm) *
-                             cell_.T_tool_flange;
-    }
+    planar_bin_picking::RobotPose pose = poseOf(current_->picks.front());
     pose.left = waiting_.size();
     pose.face = current_->face == LocatedPart::FRONT ? planar_bin_picking::Face::kFront
                                                      : planar_bin_picking::Face::kBack;
     pose.part = current_->part;
+    if (cell_.params.numbers) pose.numbers = {current_->part_number, current_->tool_number};
     pose.pick = current_->picks.front().name;
     return planar_bin_picking::poseLine(pose, cell_.convention);
   }
@@ -180,6 +209,29 @@ std::string RobotSession::report(const bool success) {
     waiting_.pop_front();
   if (waiting_.empty()) waiting_.push_back(service.response.next);
   return offer("what is left has no pick pose");
+}
+
+std::string RobotSession::calibrate(const std::string& step) {
+  if (step == "status") {
+    const std::string status = cell_.calibration();
+    if (status.empty())
+      return text(RobotCode::kNoLocator, cell_.params.calibrator + " has not said anything");
+    const auto begins = [&](const char* word) { return status.rfind(word, 0) == 0; };
+    return text(begins("GOOD")                                              ? RobotCode::kDone
+                : begins("running") || begins("waiting") || begins("ready") ? RobotCode::kAgain
+                                                                            : RobotCode::kSetUp,
+                status);
+  }
+  const std::string name =
+      cell_.params.calibrator + "/" + (step == "add" ? std::string(kAddSampleService) : step);
+  std_srvs::Trigger service;
+  const CallEnd end = callWithin(cell_.nh, name, cell_.params.calibrator_timeout, &service);
+  if (end != CallEnd::kAnswered) {
+    return text(RobotCode::kNoLocator,
+                end == CallEnd::kLate ? name + " did not answer in time" : name + " is not there");
+  }
+  return text(service.response.success ? RobotCode::kDone : RobotCode::kSetUp,
+              service.response.message);
 }
 
 }  // namespace planar_bin_picking_ros

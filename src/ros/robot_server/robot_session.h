@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// One robot controller's talk: its lines to calls of the locator, answers to lines.
+/// One robot controller's talk: its lines to calls of the locator and of the calibrator, answers to
+/// lines.
 
 #include "planar_bin_picking/robot/robot_line.h"
 #include "robot_server/robot_server_params.h"
 
 #include <planar_bin_picking/LocatedPart.h>
 #include <ros/node_handle.h>
-#include <tf2_ros/transform_broadcaster.h>
+#include <std_msgs/String.h>
 
 #include <deque>
 #include <mutex>
@@ -18,7 +19,7 @@
 
 namespace planar_bin_picking_ros {
 
-/// What all sessions share: what does not change, and the one robot's pose on tf.
+/// What all sessions share: what does not change, and what the calibrator says of itself.
 class RobotCell {
  public:
   /// @throws std::invalid_argument  naming the key: no such convention, a tool that is no pose
@@ -28,8 +29,14 @@ class RobotCell {
   const planar_bin_picking::PoseConvention convention;
   const Eigen::Isometry3d T_tool_flange;
   ros::NodeHandle nh;
-  tf2_ros::TransformBroadcaster tf;
-  std::mutex flange;  ///< held by the call whose flange stands on tf
+
+  /// As on the calibrator's ~status; "" where nobody has said anything.
+  std::string calibration() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::string calibration_;
+  ros::Subscriber status_;
 };
 
 class RobotSession {
@@ -43,8 +50,10 @@ class RobotSession {
   std::string locate(const planar_bin_picking::RobotCommand& command);
   std::string next();
   std::string report(bool success);
+  std::string calibrate(const std::string& step);
   /// Goes to the first that waits and can be picked.
   std::string offer(const std::string& otherwise);
+  planar_bin_picking::RobotPose poseOf(const planar_bin_picking::LocatedPick& pick) const;
   std::string text(planar_bin_picking::RobotCode code, const std::string& words) const;
 
   RobotCell& cell_;

@@ -8,6 +8,7 @@ namespace planar_bin_picking_ros {
 
 // Public, below the node's namespace. The camera_info topic is the sibling of the image.
 constexpr char kImageTopic[] = "camera/image_raw";
+constexpr char kClickedPointTopic[] = "clicked_point";  // rviz's tool Publish Point
 
 // Private, below the node's name.
 constexpr char kLocatePartService[] = "locate_part";
@@ -21,6 +22,11 @@ constexpr char kNextViewService[] = "next_view";
 constexpr char kLocatedPartsTopic[] = "located_parts";
 constexpr char kMarkersTopic[] = "markers";
 constexpr char kOverlayTopic[] = "overlay";
+constexpr char kLocateBinService[] = "locate_bin";
+constexpr char kBinTopic[] = "bin";
+constexpr char kSceneTopic[] = "scene";
+constexpr char kSaveRegionService[] = "save_region";
+constexpr char kClearRegionService[] = "clear_region";
 constexpr char kHdrImageTopic[] = "image_raw";
 constexpr char kTakeService[] = "take";
 

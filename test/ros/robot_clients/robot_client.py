@@ -16,15 +16,20 @@ TIMEOUT = 30.0  # s; more than the server's own
 class Pose:
     """Where to go, out of one line of the server."""
 
-    def __init__(self, words):
+    def __init__(self, words, has_numbers):
         self.left, self.face = int(words[1]), ("front", "back")[int(words[2]) - 1]
-        numbers = [float(word) for word in words[3:-2]]
-        self.target, self.approach = numbers[:NUMBERS], numbers[NUMBERS:]
+        first = 5 if has_numbers else 3
+        self.numbers = [int(word) for word in words[3:first]]  # of part and tool
+        poses = [float(word) for word in words[first:-2]]
+        self.target, self.approach, self.retreat = (poses[i * NUMBERS:(i + 1) * NUMBERS] for i in range(3))
         self.part, self.pick = words[-2:]
 
 
 class RobotClient:
-    def __init__(self, host="127.0.0.1", port=5700):
+    """has_numbers: as the server's parameter `numbers`."""
+
+    def __init__(self, host="127.0.0.1", port=5700, has_numbers=False):
+        self.has_numbers = has_numbers
         self.socket = socket.create_connection((host, port), TIMEOUT)
         self.file = self.socket.makefile("r", encoding="ascii", newline="\n")
 
@@ -39,7 +44,7 @@ class RobotClient:
         if not answer.endswith("\n"):
             raise ConnectionError("the server has closed the connection")
         code, _, text = answer.rstrip("\n").partition(" ")
-        return int(code), Pose(answer.split()) if int(code) == POSE else text
+        return int(code), Pose(answer.split(), self.has_numbers) if int(code) == POSE else text
 
     def locate(self, part, face="", flange=None):
         """flange: numbers, for a camera on the arm whose pose nobody else publishes."""

@@ -4,6 +4,7 @@
 
 #include "locator/answer/display.h"
 #include "planar_bin_picking/show/overlay.h"
+#include "shared/convert.h"
 #include "shared/names.h"
 
 #include <cv_bridge/cv_bridge.h>
@@ -45,6 +46,18 @@ std::vector<std::string> namesOf(const std::vector<planar_bin_picking::PartPtr>&
   std::vector<std::string> names;
   for (const auto& part : parts) names.push_back(part->name());
   return names;
+}
+
+planar_bin_picking::OverlayMore overlayMore(const Answer& answer) {
+  planar_bin_picking::OverlayMore more;
+  for (std::size_t i = 0; i < answer.refused.size(); ++i)
+    more.refused.push_back({answer.refused_detections[i], nameOfReason(answer.refused[i].reason)});
+  for (const auto& located : answer.located)
+    for (const auto& pick : located.picks)
+      more.T_camera_pick.push_back(answer.T_target_camera.inverse() * fromMsg(pick.pose));
+  more.outlines = answer.outlines;
+  more.has_legend = true;
+  return more;
 }
 
 }  // namespace
@@ -111,7 +124,7 @@ void AnswerPublisher::withdraw(const std::vector<planar_bin_picking::PartPtr>& p
   sendFrames();
 }
 
-void AnswerPublisher::clearMarkers() { markers_.publish(makeMarkers({}, {}, {})); }
+void AnswerPublisher::clearMarkers() { markers_.publish(makeMarkers({})); }
 
 std::shared_ptr<const Answer> AnswerPublisher::publish(Answer answer) {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -125,7 +138,8 @@ std::shared_ptr<const Answer> AnswerPublisher::publish(Answer answer) {
   list.header = answer.header;
   list.parts = answer.located;
   list_.publish(list);
-  markers_.publish(makeMarkers(answer.header, answer.located, answer.parts));
+  markers_.publish(makeMarkers(
+      {answer.header, answer.located, answer.refused, answer.parts, answer.tool_radius}));
 
   latest_ = std::make_shared<const Answer>(std::move(answer));
   pnh_.getCallbackQueue()->addCallback(boost::make_shared<Draw>(this),
@@ -141,8 +155,8 @@ sensor_msgs::ImageConstPtr AnswerPublisher::overlayOfLatest() {
     latest = latest_;
   }
   if (latest == drawn_) return picture_;
-  const cv::Mat picture = planar_bin_picking::drawOverlay(latest->grey, latest->camera,
-                                                          latest->parts, latest->result.detections);
+  const cv::Mat picture = planar_bin_picking::drawOverlay(
+      latest->grey, latest->camera, latest->parts, latest->result.detections, overlayMore(*latest));
   picture_ =
       cv_bridge::CvImage(latest->frame.image->header, sensor_msgs::image_encodings::BGR8, picture)
           .toImageMsg();

@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locator/answer/display.h"
 
+#include "planar_bin_picking/show/solid.h"
 #include "shared/convert.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cstdio>
+#include <map>
+#include <string>
+#include <utility>
 
 namespace planar_bin_picking_ros {
 
@@ -17,6 +21,8 @@ using planar_bin_picking::PartModel;
 using visualization_msgs::Marker;
 
 namespace {
+
+using Corners = std::vector<geometry_msgs::Point>;
 
 geometry_msgs::Point point(const Eigen::Vector2d& position, const double z) {
   geometry_msgs::Point message;
@@ -35,16 +41,6 @@ std_msgs::ColorRGBA color(const std::size_t rank, const std::size_t count) {
   rgba.b = 0.2f + 0.8f * share;
   rgba.a = 1.0f;
   return rgba;
-}
-
-Marker makeMarker(const std_msgs::Header& header, const char* ns, const std::size_t rank) {
-  Marker marker;
-  // Stamp zero: rviz shows it at any later time, too, when tf no longer reaches back to the image.
-  marker.header.frame_id = header.frame_id;
-  marker.ns = ns;
-  marker.id = static_cast<int>(rank);
-  marker.action = Marker::ADD;
-  return marker;
 }
 
 double visibleZ(const LocatedPart& located, const PartModel& part) {
@@ -67,39 +63,144 @@ Marker makeOutline(Marker marker, const LocatedPart& located, const PartModel& p
   return marker;
 }
 
-Marker makeText(Marker marker, const LocatedPart& located, const PartModel& part) {
+Marker makeText(Marker marker, const LocatedPart& located, const PartModel& part,
+                const std::string& text) {
   constexpr double kHeightPerRadius = 0.25;
   marker.type = Marker::TEXT_VIEW_FACING;
   const Eigen::Vector3d center(part.center().x(), part.center().y(), visibleZ(located, part));
   marker.pose = toPoseMsg(fromMsg(located.pose.pose) * Eigen::Translation3d(center));
   marker.scale.z = kHeightPerRadius * part.radius();
-  char score[16];
-  std::snprintf(score, sizeof score, " %.2f", located.score);
-  marker.text = located.child_frame + score;
+  marker.text = text;
   return marker;
 }
 
+Marker makeSolid(Marker marker, const LocatedPart& located, const Corners& corners) {
+  marker.type = Marker::TRIANGLE_LIST;
+  marker.pose = located.pose.pose;
+  marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
+  marker.points = corners;
+  return marker;
+}
+
+/// From where the tool comes, with its point at the contact.
+Marker makePick(Marker marker, const Eigen::Isometry3d& T_header_pick) {
+  constexpr double kLength = 0.04, kShaft = 0.003, kHead = 0.008, kHeadLength = 0.012;  // metres
+  marker.type = Marker::ARROW;
+  marker.pose = toPoseMsg(T_header_pick);
+  marker.points = {point({0.0, 0.0}, -kLength), point({0.0, 0.0}, 0.0)};
+  marker.scale.x = kShaft;
+  marker.scale.y = kHead;
+  marker.scale.z = kHeadLength;
+  return marker;
+}
+
+Marker makeTool(Marker marker, const Eigen::Isometry3d& T_header_pick, const double radius) {
+  constexpr double kHeight = 0.01;  // metres; of the cup, say
+  marker.type = Marker::CYLINDER;
+  marker.pose = toPoseMsg(T_header_pick * Eigen::Translation3d(0.0, 0.0, -0.5 * kHeight));
+  marker.scale.x = marker.scale.y = 2.0 * radius;
+  marker.scale.z = kHeight;
+  return marker;
+}
+
+/// Adds one marker after the other, numbered within each namespace.
+class Shown {
+ public:
+  explicit Shown(const Display& display) : display_(display) {
+    array_.markers.emplace_back();
+    array_.markers.back().header.frame_id = display.header.frame_id;
+    array_.markers.back().action = Marker::DELETEALL;
+  }
+
+  void offered(const std::size_t rank) {
+    const LocatedPart& located = display_.located[rank];
+    const PartModel& part = partOf(located);
+    const auto rgba = color(rank, display_.located.size());
+    char text[40];
+    std::snprintf(text, sizeof text, " %.2f", located.score);
+    add(makeSolid(marker("solid"), located, cornersOf(part)), rgba);
+    add(makeOutline(marker("outline"), located, part), kEdge);
+    add(makeText(marker("name"), located, part,
+                 std::to_string(rank + 1) + ": " + located.child_frame + text),
+        kWord);
+    const double radius = part.file().tool.radius.value_or(display_.tool_radius);
+    for (const auto& pick : located.picks) add(makePick(marker("pick"), fromMsg(pick.pose)), kPick);
+    if (radius > 0.0 && !located.picks.empty())
+      add(makeTool(marker("tool"), fromMsg(located.picks.front().pose), radius), kTool);
+  }
+
+  void refused(const planar_bin_picking::RefusedPart& refused) {
+    const LocatedPart& located = refused.located;
+    const PartModel& part = partOf(located);
+    add(makeSolid(marker("refused"), located, cornersOf(part)), kGrey);
+    add(makeOutline(marker("refused_outline"), located, part), kGreyEdge);
+    add(makeText(marker("reason"), located, part, nameOfReason(refused.reason)), kGreyWord);
+  }
+
+  visualization_msgs::MarkerArray&& take() { return std::move(array_); }
+
+ private:
+  static constexpr float kEdge[4] = {0.05f, 0.05f, 0.05f, 1.0f},
+                         kWord[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+  static constexpr float kPick[4] = {1.0f, 0.2f, 1.0f, 1.0f}, kTool[4] = {1.0f, 0.2f, 1.0f, 0.4f};
+  static constexpr float kGrey[4] = {0.5f, 0.5f, 0.5f, 0.6f};
+  static constexpr float kGreyEdge[4] = {0.25f, 0.25f, 0.25f, 1.0f};
+  static constexpr float kGreyWord[4] = {0.75f, 0.75f, 0.75f, 1.0f};
+
+  Marker marker(const char* ns) {
+    Marker marker;
+    // Stamp zero: rviz shows it at any later time, too, when tf no longer reaches back to the
+    // image.
+    marker.header.frame_id = display_.header.frame_id;
+    marker.ns = ns;
+    marker.id = count_[ns]++;
+    marker.action = Marker::ADD;
+    return marker;
+  }
+
+  void add(Marker marker, const std_msgs::ColorRGBA& rgba) {
+    marker.color = rgba;
+    array_.markers.push_back(std::move(marker));
+  }
+  void add(Marker marker, const float (&rgba)[4]) {
+    std_msgs::ColorRGBA color;
+    color.r = rgba[0];
+    color.g = rgba[1];
+    color.b = rgba[2];
+    color.a = rgba[3];
+    add(std::move(marker), color);
+  }
+
+  const PartModel& partOf(const LocatedPart& located) const {
+    const auto part =
+        std::find_if(display_.parts.begin(), display_.parts.end(),
+                     [&](const auto& candidate) { return candidate->name() == located.part; });
+    assert(part != display_.parts.end());
+    return **part;
+  }
+
+  const Corners& cornersOf(const PartModel& part) {
+    Corners& corners = corners_[part.name()];
+    if (corners.empty()) {
+      for (const Eigen::Vector3d& p : planar_bin_picking::solidTriangles(part))
+        corners.push_back(point(p.head<2>(), p.z()));
+    }
+    return corners;
+  }
+
+  const Display& display_;
+  visualization_msgs::MarkerArray array_;
+  std::map<std::string, int> count_;
+  std::map<std::string, Corners> corners_;  ///< by part
+};
+
 }  // namespace
 
-visualization_msgs::MarkerArray makeMarkers(const std_msgs::Header& header,
-                                            const std::vector<LocatedPart>& located,
-                                            const std::vector<planar_bin_picking::PartPtr>& parts) {
-  visualization_msgs::MarkerArray array;
-  array.markers.emplace_back();
-  array.markers.back().header.frame_id = header.frame_id;
-  array.markers.back().action = Marker::DELETEALL;
-  for (std::size_t rank = 0; rank < located.size(); ++rank) {
-    const auto part = std::find_if(parts.begin(), parts.end(), [&](const auto& candidate) {
-      return candidate->name() == located[rank].part;
-    });
-    assert(part != parts.end());
-    Marker outline = makeOutline(makeMarker(header, "outline", rank), located[rank], **part);
-    Marker text = makeText(makeMarker(header, "name", rank), located[rank], **part);
-    outline.color = text.color = color(rank, located.size());
-    array.markers.push_back(std::move(outline));
-    array.markers.push_back(std::move(text));
-  }
-  return array;
+visualization_msgs::MarkerArray makeMarkers(const Display& display) {
+  Shown shown(display);
+  for (std::size_t rank = 0; rank < display.located.size(); ++rank) shown.offered(rank);
+  for (const auto& refused : display.refused) shown.refused(refused);
+  return shown.take();
 }
 
 }  // namespace planar_bin_picking_ros

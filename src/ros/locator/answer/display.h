@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// An answer for people: outlines and names as markers, for rviz.
+/// An answer for people, for rviz: the parts as bodies with rank and score, grey and with the
+/// reason what is not offered, and the tool at each pick pose.
 
 #include "planar_bin_picking/part/part_model.h"
 
 #include <planar_bin_picking/LocatedPart.h>
+#include <planar_bin_picking/RefusedPart.h>
 #include <std_msgs/Header.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -14,10 +16,17 @@
 
 namespace planar_bin_picking_ros {
 
-/// One answer's markers; the first one deletes those of the answer before.
-/// @param parts  all that `located` names
-visualization_msgs::MarkerArray makeMarkers(
-    const std_msgs::Header& header, const std::vector<planar_bin_picking::LocatedPart>& located,
-    const std::vector<planar_bin_picking::PartPtr>& parts);
+/// What is shown of an answer.
+struct Display {
+  std_msgs::Header header;
+  std::vector<planar_bin_picking::LocatedPart> located;  ///< best first
+  std::vector<planar_bin_picking::RefusedPart> refused;
+  std::vector<planar_bin_picking::PartPtr> parts;  ///< all that these name
+  double tool_radius = 0.0;                        ///< metres, where a part's file names no other
+};
+
+/// The first marker deletes those of the answer before. Namespaces: `solid`, `outline` and `name`
+/// of what is offered, `refused`, `refused_outline` and `reason` of the rest, `pick` and `tool`.
+visualization_msgs::MarkerArray makeMarkers(const Display& display);
 
 }  // namespace planar_bin_picking_ros

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locator/settings/cell_params.h"
 
+#include "planar_bin_picking/bin/region.h"
 #include "planar_bin_picking/locate/locator.h"
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace planar_bin_picking_ros {
 
@@ -40,12 +42,26 @@ void validateNextView(const CellParams& params) {
           "~cell/focus_min must be greater than 0 and less than ~cell/focus_max");
 }
 
+void validateRegion(const CellParams& params) {
+  for (const auto& [key, numbers] :
+       {std::pair("region", &params.region), std::pair("region_px", &params.region_px)}) {
+    try {
+      planar_bin_picking::regionOutline(*numbers);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("~cell/") + key + " " + error.what());
+    }
+  }
+  require((params.region.empty() && params.region_file.empty()) || !params.regionFrame().empty(),
+          "~cell/region or region_file is set: ~cell/region_frame must name its frame");
+}
+
 }  // namespace
 
 void validate(const CellParams& params) {
   require(!params.parts_folder.empty(),
           "~cell/parts_folder is not set: the folder with the drawings");
   validateNextView(params);
+  validateRegion(params);
   const bool has_distances = params.distance_min != 0.0 || params.distance_max != 0.0;
   require(has_distances != params.hasBin(),
           "set either ~cell/distance_min and ~cell/distance_max, or ~cell/bin_frame with "

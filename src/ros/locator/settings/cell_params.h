@@ -28,6 +28,15 @@ struct CellParams {
   std::vector<double> bin_min, bin_max;
   /// m; what is longer and lies on the bin's floor is something, shorter edges are its own marks.
   double empty_mark = 0.02;
+  /// The bin may stand otherwise: ~locate_bin finds it by its rim. m, its walls on top; 0 = not
+  /// known, and it is not looked for. What is farther off than these is not believed.
+  double bin_wall = 0.0;
+  double bin_moved_max = 0.06, bin_turned_max_deg = 10.0, bin_tilted_max_deg = 5.0;
+  /// Where in it, or in the picture, parts may lie: x, y, x, y, ... of two corners of a box or of a
+  /// polygon, metres in region_frame or pixels. "" = the bin's frame, or else the answers'. What is
+  /// taught stands in region_file and takes the place of `region`.
+  std::vector<double> region, region_px;
+  std::string region_frame, region_file;
   /// Parts lie in a single layer on the plane z = 0 of this frame, such as a conveyor's; "" = no
   /// such plane is known, but for ~locator/plane.
   std::string plane_frame;
@@ -56,6 +65,10 @@ struct CellParams {
   int snapshot_failures = 3;    ///< failed picks in a row after which one is saved; 0 = never
 
   bool hasBin() const { return !bin_frame.empty(); }
+  const std::string& regionFrame() const {
+    if (!region_frame.empty()) return region_frame;
+    return hasBin() ? bin_frame : target_frame;
+  }
 
   /// Calls visit(key, member, min, max) for numbers and visit(key, member) for all else.
   template <class Self, class Visit>
@@ -71,6 +84,14 @@ struct CellParams {
     visit("bin_min", self.bin_min);
     visit("bin_max", self.bin_max);
     visit("empty_mark", self.empty_mark, 0.0, 1.0);
+    visit("bin_wall", self.bin_wall, 0.0, 0.5);
+    visit("bin_moved_max", self.bin_moved_max, 0.0, 1.0);
+    visit("bin_turned_max_deg", self.bin_turned_max_deg, 0.0, 45.0);
+    visit("bin_tilted_max_deg", self.bin_tilted_max_deg, 0.0, 30.0);
+    visit("region", self.region);
+    visit("region_px", self.region_px);
+    visit("region_frame", self.region_frame);
+    visit("region_file", self.region_file);
     visit("plane_frame", self.plane_frame);
     visit("trigger_service", self.trigger_service);
     visit("trigger_timeout", self.trigger_timeout, 0.01, 3600.0);
@@ -94,7 +115,8 @@ struct CellParams {
 
 /// @throws std::invalid_argument  naming the keys: no folder, neither distances nor a bin or both
 ///         of them, an empty box, distances that the core's checkDistances refuses; limits of
-///         the next view that are not all set, or empty
+///         the next view that are not all set, or empty; a region that is no outline or has no
+///         frame
 void validate(const CellParams& params);
 
 }  // namespace planar_bin_picking_ros

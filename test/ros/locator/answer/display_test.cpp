@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 namespace planar_bin_picking_ros {
 namespace {
 
@@ -46,31 +49,79 @@ std_msgs::Header base() {
   return header;
 }
 
+std::vector<Marker> of(const std::string& ns, const visualization_msgs::MarkerArray& array) {
+  std::vector<Marker> found;
+  for (const Marker& marker : array.markers)
+    if (marker.ns == ns) found.push_back(marker);
+  return found;
+}
+
 TEST(Display, NothingLocatedClearsTheViewer) {
-  const auto array = makeMarkers(base(), {}, {makePart()});
+  const auto array = makeMarkers({base(), {}, {}, {makePart()}, 0.0});
   ASSERT_EQ(array.markers.size(), 1u);
   EXPECT_EQ(array.markers[0].action, Marker::DELETEALL);
 }
 
-TEST(Display, OutlineAndNameOfEachPart) {
-  const auto array = makeMarkers(base(), {makeLocated(LocatedPart::BACK)}, {makePart()});
-  ASSERT_EQ(array.markers.size(), 3u);
-  const Marker& outline = array.markers[1];
+TEST(Display, BodyOutlineAndNameOfEachPart) {
+  const auto array = makeMarkers({base(), {makeLocated(LocatedPart::BACK)}, {}, {makePart()}, 0.0});
+  EXPECT_EQ(array.markers.size(), 4u);
+  ASSERT_EQ(of("outline", array).size(), 1u);
+  const Marker outline = of("outline", array).front();
   EXPECT_EQ(outline.header.frame_id, "base");
   EXPECT_TRUE(outline.header.stamp.isZero());      // to be seen at any later time
   ASSERT_EQ(outline.points.size(), 2u * (4 + 1));  // closed loop and open line, two ends a segment
   EXPECT_EQ(outline.points[7].x, 0.0);             // the loop ends where it begins
   EXPECT_EQ(outline.points[7].y, 0.0);
   EXPECT_EQ(outline.points[0].z, -0.005);  // the back is the visible face
-  const Marker& name = array.markers[2];
-  EXPECT_EQ(name.text, "square_1 0.91");
+  ASSERT_EQ(of("name", array).size(), 1u);
+  const Marker name = of("name", array).front();
+  EXPECT_EQ(name.text, "1: square_1 0.91");
   EXPECT_NEAR(name.pose.position.x, 0.05, 1e-9);
   EXPECT_NEAR(name.pose.position.z, 0.895, 1e-9);
+  ASSERT_EQ(of("solid", array).size(), 1u);
+  const Marker solid = of("solid", array).front();
+  EXPECT_EQ(solid.type, Marker::TRIANGLE_LIST);
+  EXPECT_EQ(solid.points.size(), 3u * (2 + 2 + 8));  // two faces, four walls
+  EXPECT_EQ(solid.scale.x, 1.0);
+  EXPECT_GT(solid.color.g, solid.color.b);
 }
 
 TEST(Display, FrontIsAtTheDrawingsPlane) {
-  const auto array = makeMarkers(base(), {makeLocated(LocatedPart::FRONT)}, {makePart()});
-  EXPECT_EQ(array.markers[1].points[0].z, 0.0);
+  const auto array =
+      makeMarkers({base(), {makeLocated(LocatedPart::FRONT)}, {}, {makePart()}, 0.0});
+  EXPECT_EQ(of("outline", array).front().points[0].z, 0.0);
+}
+
+TEST(Display, WhatIsRefusedIsGreyAndSaysWhy) {
+  planar_bin_picking::RefusedPart refused;
+  refused.reason = planar_bin_picking::RefusedPart::NEEDS_VIEW;
+  refused.located = makeLocated(LocatedPart::FRONT);
+  const auto array = makeMarkers({base(), {}, {refused, refused}, {makePart()}, 0.0});
+  ASSERT_EQ(of("refused", array).size(), 2u);
+  const Marker solid = of("refused", array).back();
+  EXPECT_EQ(solid.color.r, solid.color.g);
+  EXPECT_EQ(solid.color.r, solid.color.b);
+  EXPECT_EQ(solid.id, 1);  // rviz tells them apart by it
+  ASSERT_EQ(of("reason", array).size(), 2u);
+  EXPECT_EQ(of("reason", array).front().text, "NEEDS_VIEW");
+  EXPECT_EQ(of("refused_outline", array).size(), 2u);
+  EXPECT_TRUE(of("solid", array).empty());
+}
+
+TEST(Display, ToolsStandAtThePickPoses) {
+  LocatedPart located = makeLocated(LocatedPart::FRONT);
+  located.picks.resize(2);
+  for (auto& pick : located.picks) pick.pose.orientation.x = 1.0;  // z down
+  located.picks[0].pose.position.z = 0.9;
+  const auto array = makeMarkers({base(), {located}, {}, {makePart()}, 0.02});
+  ASSERT_EQ(of("pick", array).size(), 2u);
+  const Marker arrow = of("pick", array).front();
+  EXPECT_EQ(arrow.points.back().z, 0.0);  // the point is at the contact, the tool comes from above
+  EXPECT_LT(arrow.points.front().z, 0.0);
+  ASSERT_EQ(of("tool", array).size(), 1u);
+  EXPECT_DOUBLE_EQ(of("tool", array).front().scale.x, 0.04);
+  EXPECT_GT(of("tool", array).front().pose.position.z, 0.9);
+  EXPECT_TRUE(of("tool", makeMarkers({base(), {located}, {}, {makePart()}, 0.0})).empty());
 }
 
 }  // namespace

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// LocateBin: a bin that stands otherwise than the cell's file says, found by its rim, and from
+/// then on in force if the caller wants it.
+
+#include "input/image_inbox.h"
+#include "planar_bin_picking/bin/bin_pose.h"
+#include "planar_bin_picking/image/camera.h"
+#include "planar_bin_picking/locate/locator.h"
+
+#include <planar_bin_picking/LocateBin.h>
+#include <ros/node_handle.h>
+
+#include <Eigen/Geometry>
+
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace planar_bin_picking_ros {
+
+class BinFinder {
+ public:
+  /// As in CellParams.
+  struct Settings {
+    std::string bin_frame, target_frame;
+    planar_bin_picking::BinSearch search;  ///< but for T_camera_bin
+  };
+  /// What it needs of the locator.
+  struct Host {
+    std::function<Frame(const ros::Time& not_before, const ros::Duration& timeout)> await;
+    std::function<planar_bin_picking::Camera(const Frame& frame)> camera_of;
+    std::function<Eigen::Isometry3d(const std::string& target, const std::string& source,
+                                    const ros::Time& stamp)>
+        transform;
+    /// From now on the bin stands so from where the file has it.
+    std::function<void(const Eigen::Isometry3d& T_told_found)> use;
+    const planar_bin_picking::Locator* locator;
+    std::mutex* locate_mutex;
+  };
+
+  /// @param call_pnh  its queue serves calls
+  BinFinder(Settings settings, Host host, const ros::NodeHandle& call_pnh);
+  void close() { service_.shutdown(); }
+
+ private:
+  using Request = planar_bin_picking::LocateBin::Request;
+  using Response = planar_bin_picking::LocateBin::Response;
+
+  bool serve(Request& request, Response& response);
+  void answer(const Request& request, Response* response);
+  std::optional<planar_bin_picking::FoundBin> find(const Frame& frame);
+
+  const Settings settings_;
+  const Host host_;
+  ros::Publisher topic_;
+  ros::ServiceServer service_;
+};
+
+}  // namespace planar_bin_picking_ros

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// The cell's region in force: what its file says, or what was taught by points that somebody
+/// clicked in rviz. Points come in one by one and change nothing until ~save_region; ~clear_region
+/// forgets them, or else what was taught. Any number of threads.
+
+#include "locator/answer/scene_publisher.h"
+#include "planar_bin_picking/bin/region.h"
+#include "shared/transforms.h"
+
+#include <geometry_msgs/PointStamped.h>
+#include <ros/node_handle.h>
+#include <std_srvs/Trigger.h>
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace planar_bin_picking_ros {
+
+class RegionKeeper {
+ public:
+  /// As in CellParams.
+  struct Settings {
+    std::vector<double> region, region_px;
+    std::string frame, file;
+    double tf_timeout = 0.0;
+  };
+
+  /// @param prompt_nh   the node's namespace; its callback queue takes in points
+  /// @param prompt_pnh  the node's own; its callback queue serves
+  /// @param scene       shows the region; outlives it
+  /// @throws std::exception  the file cannot be read, or is of another frame
+  RegionKeeper(Settings settings, const TransformBuffer& buffer, const ros::NodeHandle& prompt_nh,
+               const ros::NodeHandle& prompt_pnh, ScenePublisher& scene);
+
+  planar_bin_picking::Region current() const;
+
+ private:
+  using Request = std_srvs::Trigger::Request;
+  using Response = std_srvs::Trigger::Response;
+
+  void take(const geometry_msgs::PointStamped& point);
+  bool save(Request& request, Response& response);
+  bool clear(Request& request, Response& response);
+  /// Under mutex_.
+  void show();
+
+  const Settings settings_;
+  const TransformBuffer& buffer_;
+  ScenePublisher& scene_;
+  mutable std::mutex mutex_;
+  planar_bin_picking::Region region_;
+  planar_bin_picking::RegionOutline points_;  ///< clicked, and not saved yet
+  ros::Subscriber points_in_;
+  ros::ServiceServer save_service_, clear_service_;
+};
+
+}  // namespace planar_bin_picking_ros

@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: The planar_bin_picking authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Of operation_tester.py: the region of interest, given and taught, and what rviz is told to show."""
+import collections
+import os
+
+import numpy
+import rospy
+import yaml
+from geometry_msgs.msg import PointStamped
+from planar_bin_picking.msg import RefusedPart
+from planar_bin_picking.srv import LocatePart, LocatePartResponse as Status
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
+
+UP = 60.0  # s, for the node to come up; machines may be busy
+CENTER = (0.06, 0.04, 0.0)  # of the bracket, from its origin, m; to the thickness
+# Two fingers 30 mm beside the pick pose that reach 6 mm down, and two pins that stand 45 mm beside it on what is there.
+FINGERS = [-0.04, -0.01, -0.1, -0.03, 0.01, 0.006, 0.03, -0.01, -0.1, 0.04, 0.01, 0.006]
+FOCUS = (0.56, 0.03, 0.07)  # m, in base: before the camera, in the middle of the distances
+PINS = [0.0, -0.045, 0.006, -0.05, 0.0, 0.0, 0.045, 0.006, -0.05, 0.0]
+
+
+def center(part):
+    """In the answer's frame."""
+    p, q = part.pose.pose.position, part.pose.pose.orientation
+    axis, x = numpy.array([q.x, q.y, q.z]), numpy.array(CENTER)
+    turned = x + 2.0 * numpy.cross(axis, numpy.cross(axis, x) + q.w * x)
+    return numpy.array([p.x, p.y, p.z]) + turned
+
+
+class RegionCases:
+    """Needs of the test case: start, call, comes_true, run_tool, cell, scratch."""
+
+    @classmethod
+    def start_region(cls):
+        cls.region_file = os.path.join(cls.scratch, "region.yaml")
+        cls.region = {"region": [0.40, -0.30, 0.62, 0.30], "region_px": [0, 0, cls.cell.grey.shape[1], 330],
+                      "region_frame": "base", "region_file": cls.region_file, "distance_min": 0.78,
+                      "distance_max": 0.98}
+        cls.start("region", **cls.region)
+        bin_ = {"bin_frame": "base", "bin_min": [0.20, -0.35, -0.03], "bin_max": [0.90, 0.35, 0.17]}
+        cls.start("fingers", {"tool_boxes": FINGERS, "tool_clearance": 0.001, "tool_edges": 0.0}, **bin_)
+        cls.start("pins", {"tool_cylinders": PINS, "tool_edges": 0.0}, **bin_)
+        cls.start("wary_pins", {"tool_cylinders": PINS, "tool_edges": 0.002}, **bin_)
+
+    def test_rviz_shows_what_there_is(self):
+        answer = self.call("coarse", Status.OK, part="bracket", max_parts=3)
+        shown = collections.Counter(m.ns for m in rospy.wait_for_message("coarse/markers", MarkerArray, UP).markers)
+        for name in ("solid", "outline", "name", "pick"):
+            self.assertEqual(shown[name], 3, name)
+        for name in ("refused", "refused_outline", "reason"):
+            self.assertEqual(shown[name], len(answer.refused), name)
+        scene = rospy.wait_for_message("coarse/scene", MarkerArray, UP).markers
+        self.assertLessEqual({"bin", "bin_floor", "camera"}, {m.ns for m in scene})
+        self.assertEqual({m.header.frame_id for m in scene if m.ns}, {"base"})
+        published = {name for name, _ in rospy.get_published_topics()}
+        for locator, focus in (("coarse", (0.56, 0.0, 0.07)), ("no_bin", FOCUS)):
+            written = self.run_tool("rviz_cell.py", locator, "--only-write")
+            self.assertEqual(written.returncode, 0, written.stderr)
+            with open(written.stdout.strip()) as file:
+                text = file.read()
+            self.assertNotIn("@", text.split("\n", 2)[2])
+            rviz = yaml.safe_load(text)["Visualization Manager"]
+            self.assertEqual(rviz["Global Options"]["Fixed Frame"], "base")
+            focal = rviz["Views"]["Current"]["Focal Point"]
+            numpy.testing.assert_allclose([focal["X"], focal["Y"], focal["Z"]], focus, atol=0.01)
+            topics = {one[key] for one in rviz["Displays"] for key in ("Marker Topic", "Image Topic") if key in one}
+            self.assertEqual(topics - published, {"/tally"})  # of the cycle demo
+            self.assertIn(f"/{locator}/overlay", topics)
+
+    # --- the tool ----------------------------------------------------------------------------------
+    def test_fingers_need_room_beside_the_part(self):
+        def without_room(locator):
+            rospy.wait_for_service(locator + "/locate_part", UP)
+            response = rospy.ServiceProxy(locator + "/locate_part", LocatePart)(part="bracket")
+            self.assertIn(response.status, (Status.OK, Status.DEADLOCK), response.message)
+            reasons = [refused.reason for refused in response.refused]
+            self.assertLessEqual(set(reasons), {RefusedPart.NO_ROOM, RefusedPart.WALL})
+            self.assertTrue(all(part.picks for part in response.parts))
+            return reasons.count(RefusedPart.NO_ROOM)
+        self.assertGreater(without_room("fingers"), 0)
+        self.assertGreater(without_room("wary_pins"), without_room("pins"))
+
+    # --- the region --------------------------------------------------------------------------------
+    def test_region(self):
+        found = self.call("region", Status.OK, part="bracket")
+        self.assertTrue(found.refused)
+        self.assertEqual({r.reason for r in found.refused}, {RefusedPart.OUTSIDE})
+        texts = " ".join(r.text for r in found.refused)
+        self.assertIn("outside of the region in the picture", texts)
+        self.assertIn("outside of the region, at", texts)
+        self.assertTrue(all(center(part)[0] < 0.625 for part in found.parts))
+        whole = self.call("no_bin", Status.OK, part="bracket")
+        self.assertTrue(any(center(part)[0] > 0.625 for part in whole.parts))
+
+    def test_region_that_is_taught(self):
+        x, y, _ = center(self.call("region", Status.OK, part="bracket").parts[0])
+        save, clear = [rospy.ServiceProxy("region/" + name, Trigger) for name in ("save_region", "clear_region")]
+        points = rospy.Publisher("clicked_point", PointStamped, queue_size=10)
+        self.comes_true(lambda: points.get_num_connections() >= 8)
+        self.assertIn("no point", save().message)
+
+        def click(*corners):
+            before = self.corners()
+            for dx, dy in corners:
+                point = PointStamped()
+                point.header.frame_id, point.point.x, point.point.y = "base", x + dx, y + dy
+                points.publish(point)
+            self.comes_true(lambda: self.corners() == before + len(corners))
+        click((-0.02, -0.02), (0.04, 0.02), (0.02, -0.02), (-0.02, 0.04))
+        crossed = save()
+        self.assertFalse(crossed.success)
+        self.assertIn("crosses itself", crossed.message)
+        self.assertTrue(clear().success)
+        self.assertEqual(self.corners(), 0)
+        click((-0.02, -0.02), (0.02, -0.02), (0.0, 0.03))
+        self.assertGreater(len(self.call("region", Status.OK, part="bracket").parts), 1)  # not in force yet
+        saved = save()
+        self.assertTrue(saved.success, saved.message)
+        self.assertEqual(len(self.call("region", Status.OK, part="bracket").parts), 1)
+        self.start("taught", **self.region)
+        self.assertEqual(len(self.call("taught", Status.OK, part="bracket").parts), 1)
+        self.assertTrue(clear().success)
+        self.assertFalse(os.path.exists(self.region_file))
+        self.assertGreater(len(self.call("region", Status.OK, part="bracket").parts), 1)
+        self.assertIn("region_file", rospy.ServiceProxy("no_bin/save_region", Trigger)().message)
+
+    def corners(self):
+        """How many points rviz shows of the region that is being taught."""
+        scene = rospy.wait_for_message("region/scene", MarkerArray, UP).markers
+        return sum(len(marker.points) for marker in scene if marker.ns == "region_points")
