@@ -120,7 +120,9 @@ class RegionCases:
         self.assertTrue(saved.success, saved.message)
         self.assertEqual(len(self.call("region", Status.OK, part="bracket").parts), 1)
         self.start("taught", **self.region)
-        self.assertEqual(len(self.call("taught", Status.OK, part="bracket").parts), 1)
+        rospy.wait_for_service("taught/locate_part", UP)
+        locate = rospy.ServiceProxy("taught/locate_part", LocatePart)
+        self.comes_true(lambda: len(locate(part="bracket").parts) == 1)  # once it hears tf
         self.assertTrue(clear().success)
         self.assertFalse(os.path.exists(self.region_file))
         self.assertGreater(len(self.call("region", Status.OK, part="bracket").parts), 1)
