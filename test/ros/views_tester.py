@@ -271,6 +271,7 @@ class Views(unittest.TestCase):
         self.cell.show(HOME, plate, bins=[there])
         self.assertEqual(locate(part="plate").status, LocatePartResponse.OK)
         self.locate_bin(LocateBinResponse.OK, there, plate, forget=True)
+        self.assertEqual(rospy.wait_for_message("binned/bin", PoseStamped, UP).header.frame_id, "")
         self.assertEqual([r.reason for r in locate(part="plate").refused], [RefusedPart.OUTSIDE])
 
     def test_no_bin_is_an_answer(self):

@@ -86,6 +86,7 @@ void BinFinder::answer(const Request& request, Response* response) {
                                              "an hour");
   if (request.forget) {
     host_.use(Eigen::Isometry3d::Identity());
+    topic_.publish(geometry_msgs::PoseStamped());  // the one before no longer holds
     response->message = "the bin stands where the cell's file has it";
     return;
   }
