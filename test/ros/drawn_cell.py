@@ -92,7 +92,9 @@ class DrawnCell:
                         for name in ("camera", "second")}
         self.tf = tf2_ros.TransformBroadcaster()
         self.static = tf2_ros.StaticTransformBroadcaster()
-        self.static.sendTransform(transform("base", "second_camera", T_base_second, rospy.Time.now()))
+        now = rospy.Time.now()
+        self.static.sendTransform([transform("base", "second_camera", T_base_second, now),
+                                   transform("base", "tray", numpy.eye(4), now)])  # where a bin is said to stand
         self.T, self.pictures, self.seed = numpy.eye(4), None, 0
         self.faults = {}
         threading.Thread(target=self.send, daemon=True).start()

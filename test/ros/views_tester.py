@@ -19,7 +19,7 @@ from planar_bin_picking.srv import (LocateBin, LocateBinResponse, LocatePart, Lo
 from visualization_msgs.msg import MarkerArray
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's relay of it
-from drawn_cell import DrawnCell, rotation, shift, transform
+from drawn_cell import DrawnCell, rotation, shift
 
 UP = 60.0  # s, for the nodes to come up
 HOME = shift(0.0, 0.0, 0.6) @ rotation("x", 180)
@@ -61,7 +61,6 @@ class Views(unittest.TestCase):
         cls.cell = DrawnCell(orbit(-30))
         cls.buffer = tf2_ros.Buffer()
         cls.listener = tf2_ros.TransformListener(cls.buffer)
-        cls.cell.static.sendTransform(transform("base", "tray", shift(0, 0, 0), rospy.Time.now()))
         for name in ("locator", "demanding", "level", "two_cameras", "misled", "binned"):
             for service in ("locate_part", "refine_part", "next_view"):
                 rospy.wait_for_service(f"{name}/{service}", UP)
