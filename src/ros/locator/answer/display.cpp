@@ -43,8 +43,10 @@ std_msgs::ColorRGBA color(const std::size_t rank, const std::size_t count) {
   return rgba;
 }
 
-double visibleZ(const LocatedPart& located, const PartModel& part) {
-  return part.faceZ(located.face == LocatedPart::FRONT ? Face::kFront : Face::kBack);
+/// z of the visible face, or of what lies so far above it.
+double visibleZ(const LocatedPart& located, const PartModel& part, const double above) {
+  const bool front = located.face == LocatedPart::FRONT;
+  return part.faceZ(front ? Face::kFront : Face::kBack) + (front ? above : -above);
 }
 
 Marker makeOutline(Marker marker, const LocatedPart& located, const PartModel& part) {
@@ -52,7 +54,8 @@ Marker makeOutline(Marker marker, const LocatedPart& located, const PartModel& p
   marker.type = Marker::LINE_LIST;
   marker.pose = located.pose.pose;
   marker.scale.x = kLineWidth;
-  const double z = visibleZ(located, part);
+  constexpr double kAbove = 0.0005;  // metres: half of a line would be hidden in the body
+  const double z = visibleZ(located, part, kAbove);
   for (const Loop& loop : part.file().drawing.loops) {
     const std::size_t count = loop.points.size();
     for (std::size_t i = 0; i + (loop.closed ? 0 : 1) < count; ++i) {
@@ -67,9 +70,12 @@ Marker makeText(Marker marker, const LocatedPart& located, const PartModel& part
                 const std::string& text) {
   constexpr double kHeightPerRadius = 0.25;
   marker.type = Marker::TEXT_VIEW_FACING;
-  const Eigen::Vector3d center(part.center().x(), part.center().y(), visibleZ(located, part));
+  const double height = kHeightPerRadius * part.radius();
+  // So far above the face that the body does not hide it.
+  const Eigen::Vector3d center(part.center().x(), part.center().y(),
+                               visibleZ(located, part, height));
   marker.pose = toPoseMsg(fromMsg(located.pose.pose) * Eigen::Translation3d(center));
-  marker.scale.z = kHeightPerRadius * part.radius();
+  marker.scale.z = height;
   marker.text = text;
   return marker;
 }
