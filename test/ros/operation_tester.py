@@ -21,6 +21,7 @@ import rostest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from planar_bin_picking.srv import ListParts, LocatePart, LocatePartRequest, LocatePartResponse, ReportPick
+from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -28,6 +29,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's r
 from check_cell_cases import CheckCellCases
 from driven_cell import DrivenCell
 from operation_region import RegionCases, center
+from tuning_cases import TuningCases
 
 UP = 60.0  # s, for the node to come up; machines may be busy
 Status = LocatePartResponse
@@ -47,7 +49,7 @@ def floor(plates):
     return spoil
 
 
-class Operation(CheckCellCases, RegionCases, unittest.TestCase):
+class Operation(TuningCases, CheckCellCases, RegionCases, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = rospkg.RosPack().get_path("planar_bin_picking")
@@ -56,14 +58,27 @@ class Operation(CheckCellCases, RegionCases, unittest.TestCase):
         cls.parts = os.path.join(cls.scratch, "parts")
         shutil.copytree(os.path.join(cls.folder, "test/ros/parts"), cls.parts)
         cls.processes = []
+        cls.cell_file = os.path.join(cls.scratch, "cell.yaml")
+        with open(cls.cell_file, "w") as file:
+            file.write("target_frame: base  # of the robot\n")
         snapshots = {"snapshot_folder": os.path.join(cls.scratch, "snapshots"), "snapshots_max": 3,
-                     "snapshots_mb": 100.0, "snapshot_failures": 2}
-        cls.start("op", **snapshots, **BIN)
+                     "snapshots_mb": 100.0, "snapshot_failures": 2, "archive_folder": os.path.join(cls.scratch, "archive"),
+                     "archive_mb": 4.0, "archive_hours": 1.0}
+        cls.start("op", **{"cell_file": cls.cell_file}, **snapshots, **BIN)
         cls.start("coarse", {"order_walls": 1000.0}, **{"empty_mark": 0.5, "parts_poll": 0.0}, **BIN)
-        cls.start("no_bin", NEAR, distance_min=0.78, distance_max=0.98)
+        cls.start("no_bin", NEAR, distance_min=0.78, distance_max=0.98,
+                  hand_eye_file=cls.poor_calibration())
         cls.start_region()
         cls.start("highest", {"order_height": 1000.0}, distance_min=0.78, distance_max=0.98)
         time.sleep(2.0)  # of tf, which the first call needs
+
+    @classmethod
+    def poor_calibration(cls):
+        path = os.path.join(cls.scratch, "hand_eye.yaml")
+        shutil.copy(os.path.join(cls.folder, "test/ros/calibration/hand_eye.yaml"), path)
+        with open(path, "a") as file:
+            file.write("verdict: POOR\n")
+        return path
 
     @classmethod
     def tearDownClass(cls):
@@ -191,6 +206,15 @@ class Operation(CheckCellCases, RegionCases, unittest.TestCase):
         self.assertFalse(unset.success)
         self.assertIn("snapshot_folder", unset.message)
 
+    def test_every_call_is_kept_within_the_quota(self):
+        folder = os.path.join(self.scratch, "archive")
+        for _ in range(4):  # of 1.25 MB each
+            self.call("op", Status.OK, part="bracket", max_parts=1)
+        self.comes_true(lambda: 2 <= len(os.listdir(folder)) <= 3)
+        latest = sorted(name for name in os.listdir(folder) if not name.endswith(".partial"))[-1]
+        self.assertTrue(latest.endswith("_CALL"), latest)
+        self.assertEqual(self.run_tool("replay_snapshot", os.path.join(folder, latest)).returncode, 0)
+
     def test_what_goes_wrong_is_saved(self):
         rows, columns = self.cell.grey.shape
         self.cell.change(spoil=floor([(columns // 2, rows // 2)]))
@@ -228,6 +252,20 @@ class Operation(CheckCellCases, RegionCases, unittest.TestCase):
         self.assertAlmostEqual(float(values["camera"]["rate in Hz"]), 5.0, delta=2.5)
         self.assertEqual(values["calls"]["offered"], "1")
         self.assertGreaterEqual(int(values["calls"]["refused, BEYOND_MAX_PARTS"]), 1)
+        self.assertGreater(int(values["calls"]["found"]), 1)
+        margin = float(values["calls"]["score of the first"]) - 0.65  # score/threshold
+        self.assertAlmostEqual(float(values["calls"]["score margin"]), margin, places=3)
+        self.assertEqual(values["calls"]["deadlocks in a row"], "0")
+        self.assertEqual(values["calls"]["calls under way"], "0")
+        self.assertEqual(values["camera"]["frame"], "camera")
+        self.assertEqual(values["calibration"]["hand_eye_file"], "not named in the cell's file")
+        first = rospy.wait_for_message("op/heartbeat", Header, UP)
+        self.assertGreater(rospy.wait_for_message("op/heartbeat", Header, UP).stamp, first.stamp)
+        poor = self.diagnostics("no_bin")["calibration"]
+        self.assertEqual((poor.level, poor.message), (DiagnosticStatus.WARN, "hand_eye_file is POOR"))
+        self.assertLess(float({pair.key: pair.value for pair in poor.values}["hand_eye_file, age in days"]), 1.0)
+        self.cell.change(spoil=lambda _image, info: setattr(info, "K", [0.0] * 9))
+        self.comes_true(lambda: "calibrat" in self.diagnostics("op")["camera"].message)
         self.assertEqual(found["parts"].level, DiagnosticStatus.WARN)
         self.assertIn("torn", found["parts"].message)
         self.cell.change(has_images=False)

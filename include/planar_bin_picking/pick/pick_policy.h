@@ -38,6 +38,7 @@ struct PickParams {
   std::vector<double> tool_boxes, tool_cylinders;
   double tool_clearance = 0.0;  ///< metres between these and other parts
   double tool_edges = 0.005;    ///< metres of edges that nobody explains below them; 0 = whatever
+  int max_parts = 0;            ///< that are offered, whatever a call asks for; 0 = all
   int failures_max = 2;         ///< at one instance in an unchanged scene; then it is refused
   double same_place = 0.003;    ///< metres within which a detection is the instance that failed
   double changed_grey = 12.0;   ///< grey levels, mean over its surroundings, that are a change
@@ -58,6 +59,7 @@ struct PickParams {
     visit("tool_cylinders", self.tool_cylinders);
     visit("tool_clearance", self.tool_clearance, 0.0, 0.1);
     visit("tool_edges", self.tool_edges, 0.0, 1.0);
+    visit("max_parts", self.max_parts, 0, 100000);
     visit("failures_max", self.failures_max, 1, 1000);
     visit("same_place", self.same_place, 0.0, 1.0);
     visit("changed_grey", self.changed_grey, 0.0, 255.0);
@@ -146,6 +148,10 @@ class PickPolicy {
  public:
   /// @throws std::invalid_argument  a field out of its range: key, value, allowed
   explicit PickPolicy(const PickParams& params);
+
+  /// Other parameters from now on; failures stay remembered.
+  /// @throws std::invalid_argument  as the constructor; then nothing has changed
+  void use(const PickParams& params);
 
   /// The first rule that a candidate breaks is its reason: withheld, outside of the bin, no pick
   /// pose, then the parameters, and last the number of parts.

@@ -152,9 +152,12 @@ double boxMargin(double sigma) {
   return kBoxIsKnownTo + std::min(kSigmas * sigma, kMostOfPosition);
 }
 
-PickPolicy::PickPolicy(const PickParams& params) : params_(params) {
-  PickParams::fields(params_, RangeCheck{});
-  bodies_ = toolBodies(params_.tool_boxes, params_.tool_cylinders);
+PickPolicy::PickPolicy(const PickParams& params) { use(params); }
+
+void PickPolicy::use(const PickParams& params) {
+  PickParams::fields(params, RangeCheck{});
+  bodies_ = toolBodies(params.tool_boxes, params.tool_cylinders);
+  params_ = params;
 }
 
 PickPolicy::Failure* PickPolicy::find(const PickCandidate& candidate) {
@@ -287,6 +290,9 @@ PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
   }
   std::stable_sort(plan.offers.begin(), plan.offers.end(),
                    [](const auto& a, const auto& b) { return a.failures < b.failures; });
+  // The smaller of the two limits; zero is none.
+  const auto most = static_cast<std::size_t>(params_.max_parts);
+  if (most != 0 && (max_parts == 0 || most < max_parts)) max_parts = most;
   if (max_parts == 0) return plan;
   for (std::size_t rank = max_parts; rank < plan.offers.size(); ++rank) {
     plan.refused.push_back({plan.offers[rank].candidate, PickRefusal::kBeyondMaxParts,

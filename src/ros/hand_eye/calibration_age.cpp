@@ -48,15 +48,28 @@ std::time_t writtenAt(const std::string& path) {
   return status.st_mtime;
 }
 
+/// The file itself, and what the calibrator writes beside it.
+std::vector<std::string> filesOf(const std::string& path) {
+  return {path, (std::filesystem::path(path).parent_path() / "calibration.yaml").string()};
+}
+
+double daysSinceMade(const std::string& path) {
+  const std::string date = valueOf(filesOf(path), "date");
+  const std::time_t made = date.empty() ? writtenAt(path) : secondsOf(date, path);
+  return std::difftime(std::time(nullptr), made) / kSecondsOfDay;
+}
+
 }  // namespace
 
+CalibrationAge calibrationAge(const std::string& path) {
+  return {valueOf(filesOf(path), "verdict"), daysSinceMade(path)};
+}
+
 void checkUsable(const std::string& path, bool accept_poor, double max_age_days) {
-  const std::string beside =
-      (std::filesystem::path(path).parent_path() / "calibration.yaml").string();
-  const std::vector<std::string> files{path, beside};
+  const std::vector<std::string> files = filesOf(path);
   const std::string verdict = valueOf(files, "verdict");
   // Where the machine went down between the two, the file itself may still say GOOD.
-  if (verdict == "REFUSED" || valueOf({beside}, "verdict") == "REFUSED") {
+  if (verdict == "REFUSED" || valueOf({files.back()}, "verdict") == "REFUSED") {
     throw std::runtime_error(path +
                              ": the calibration was REFUSED (see report.html beside it), and "
                              "this file is older; calibrate anew");
@@ -67,9 +80,7 @@ void checkUsable(const std::string& path, bool accept_poor, double max_age_days)
                              "it, or set accept_poor_calibration (~accept_poor)");
   }
   if (!(max_age_days > 0.0)) return;
-  const std::string date = valueOf(files, "date");
-  const std::time_t made = date.empty() ? writtenAt(path) : secondsOf(date, path);
-  const double days = std::difftime(std::time(nullptr), made) / kSecondsOfDay;
+  const double days = daysSinceMade(path);
   if (days <= max_age_days) return;
   std::ostringstream text;
   text.imbue(std::locale::classic());

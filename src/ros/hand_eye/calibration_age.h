@@ -8,6 +8,15 @@
 
 namespace planar_bin_picking_ros {
 
+struct CalibrationAge {
+  std::string verdict;  ///< "" where no file says it
+  double days = 0.0;
+};
+
+/// @param path  of hand_eye.yaml or camera_info.yaml; verdict and date as for checkUsable
+/// @throws std::runtime_error  the file is not there, or not what it should be
+CalibrationAge calibrationAge(const std::string& path);
+
 /// The verdict is taken from hand_eye.yaml, or from calibration.yaml beside it; the date likewise
 /// (ISO 8601), or else from when the file was written.
 /// @param path          of hand_eye.yaml

@@ -50,6 +50,8 @@ class ImageSource {
     bool has_publisher = false;  ///< of images
   };
   Traffic traffic() const;
+  /// The newest image with its camera_info.
+  std::optional<Frame> newest() const { return inbox_.newest(); }
 
  private:
   void note(const ros::Time& stamp, Arrivals* arrivals);

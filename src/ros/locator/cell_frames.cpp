@@ -21,7 +21,7 @@ Eigen::Isometry3d CellFrames::transform(const std::string& target, const std::st
                                         const ros::Time& stamp) const {
   if (target == source) return Eigen::Isometry3d::Identity();
   const LookupResult found =
-      lookup(buffer_, target, source, stamp, std::chrono::duration<double>(cell_.tf_timeout));
+      lookup(buffer_, target, source, stamp, std::chrono::duration<double>(tf_timeout_));
   if (!found.T_target_source) {
     throw Refusal(Response::NO_TRANSFORM,
                   "no transform from " + source + " to " + target +
@@ -31,7 +31,8 @@ Eigen::Isometry3d CellFrames::transform(const std::string& target, const std::st
   return *found.T_target_source;
 }
 
-Standing CellFrames::at(const std_msgs::Header& image, const std::string& target,
+Standing CellFrames::at(const CellParams& cell, const std_msgs::Header& image,
+                        const std::string& target,
                         const geometry_msgs::TransformStamped& flange) const {
   Eigen::Isometry3d T_camera_base = Eigen::Isometry3d::Identity();
   const bool is_told = !flange.child_frame_id.empty();
@@ -45,17 +46,17 @@ Standing CellFrames::at(const std_msgs::Header& image, const std::string& target
   };
   Standing standing;
   standing.pick.T_target_camera = fromCamera(target).inverse();
-  if (cell_.hasBin()) {
-    standing.T_camera_bin = fromCamera(cell_.bin_frame) * binFromTold();
+  if (cell.hasBin()) {
+    standing.T_camera_bin = fromCamera(cell.bin_frame) * binFromTold();
     standing.pick.bin.emplace();
     standing.pick.bin->T_bin_target =
         (standing.pick.T_target_camera * *standing.T_camera_bin).inverse();
-    standing.pick.bin->min = Eigen::Vector3d(cell_.bin_min.data());
-    standing.pick.bin->max = Eigen::Vector3d(cell_.bin_max.data());
+    standing.pick.bin->min = Eigen::Vector3d(cell.bin_min.data());
+    standing.pick.bin->max = Eigen::Vector3d(cell.bin_max.data());
   }
-  if (!cell_.plane_frame.empty()) standing.T_camera_plane = fromCamera(cell_.plane_frame);
-  const std::string& region = cell_.regionFrame();
-  if (cell_.hasBin() && region == cell_.bin_frame) {
+  if (!cell.plane_frame.empty()) standing.T_camera_plane = fromCamera(cell.plane_frame);
+  const std::string& region = cell.regionFrame();
+  if (cell.hasBin() && region == cell.bin_frame) {
     standing.T_region_camera = standing.T_camera_bin->inverse();
   } else if (!region.empty()) {
     standing.T_region_camera = fromCamera(region).inverse();
@@ -63,15 +64,15 @@ Standing CellFrames::at(const std_msgs::Header& image, const std::string& target
   return standing;
 }
 
-LocateRequest CellFrames::request(const Standing& standing) const {
-  DistanceRange range{cell_.distance_min, cell_.distance_max};
-  if (standing.T_camera_bin) range = distanceRange(cell_, *standing.T_camera_bin);
+LocateRequest CellFrames::request(const CellParams& cell, const Standing& standing) const {
+  DistanceRange range{cell.distance_min, cell.distance_max};
+  if (standing.T_camera_bin) range = distanceRange(cell, *standing.T_camera_bin);
   LocateRequest request;
   request.distance_min = range.min;
   request.distance_max = range.max;
   request.max_parts = 0;
   if (standing.T_camera_plane)
-    request.plane = planeOfFrame(cell_.plane_frame, *standing.T_camera_plane);
+    request.plane = planeOfFrame(cell.plane_frame, *standing.T_camera_plane);
   return request;
 }
 

@@ -5,8 +5,8 @@
 /// Where a cell's frames stand at an image's stamp: the camera, the answers' frame, bin, region and
 /// plane.
 
-#include "locator/settings/cell_params.h"
 #include "locator/pick_keeper.h"
+#include "locator/settings/cell_params.h"
 #include "planar_bin_picking/locate/locate_request.h"
 #include "shared/transforms.h"
 
@@ -31,25 +31,26 @@ struct Standing {
 
 class CellFrames {
  public:
-  /// Both have to outlive it.
-  CellFrames(const CellParams& cell, const TransformBuffer& buffer)
-      : cell_(cell), buffer_(buffer) {}
+  /// @param buffer  has to outlive it
+  CellFrames(const TransformBuffer& buffer, double tf_timeout)
+      : tf_timeout_(tf_timeout), buffer_(buffer) {}
 
   /// @throws Refusal  NO_TRANSFORM
   Eigen::Isometry3d transform(const std::string& target, const std::string& source,
                               const ros::Time& stamp) const;
 
+  /// @param cell    as it is for this call
   /// @param image   its header
   /// @param target  frame of the answers
   /// @param flange  where it stands, in place of tf; without a child_frame_id tf says it
   /// @throws Refusal  NO_TRANSFORM
-  Standing at(const std_msgs::Header& image, const std::string& target,
+  Standing at(const CellParams& cell, const std_msgs::Header& image, const std::string& target,
               const geometry_msgs::TransformStamped& flange = {}) const;
 
   /// Distances and plane of a call, without parts; max_parts is 0, since the pick policy cuts,
   /// after it has taken out what it refuses.
   /// @throws Refusal  BAD_BIN, BAD_PLANE
-  planar_bin_picking::LocateRequest request(const Standing& standing) const;
+  planar_bin_picking::LocateRequest request(const CellParams& cell, const Standing& standing) const;
 
   /// The bin stands so from where tf has it.
   void useBin(const Eigen::Isometry3d& T_told_found);
@@ -58,7 +59,7 @@ class CellFrames {
  private:
   mutable std::mutex mutex_;
   Eigen::Isometry3d T_told_found_ = Eigen::Isometry3d::Identity();
-  const CellParams& cell_;
+  const double tf_timeout_;
   const TransformBuffer& buffer_;
 };
 

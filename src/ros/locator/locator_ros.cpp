@@ -8,6 +8,7 @@
 #include "locator/plane_frame.h"
 #include "locator/settings/load_params.h"
 #include "planar_bin_picking/image/camera_file.h"
+#include "planar_bin_picking/locate/locator.h"
 #include "shared/convert_camera.h"
 #include "shared/names.h"
 #include "shared/param_reader.h"
@@ -77,8 +78,8 @@ class LocatorRos::Stopwatch {
 };
 
 LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
-    : locator_(loadLocatorParams(readTree(pnh, kLocatorParams))),
-      cell_(loadCellParams(readTree(pnh, kCellParams))),
+    : start_(loadSettings(pnh)),
+      cell_(start_.cell),
       camera_(loadCameraFile(cell_.camera_info_file)),
       parts_(cell_.parts_folder, cell_.parts_poll),
       image_nh_(onQueue(nh, &image_queue_)),
@@ -86,28 +87,27 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       prompt_pnh_(onQueue(pnh, &prompt_queue_)),
       tf_buffer_(cell_.tf_gap_max),
       tf_listener_(tf_buffer_),
-      cell_frames_(cell_, tf_buffer_),
+      cell_frames_(tf_buffer_, cell_.tf_timeout),
       source_(image_nh_, pnh),
       publisher_(call_pnh_, prompt_pnh_, cell_.frame_prefix),
       scene_(call_pnh_),
       region_(
           {cell_.region, cell_.region_px, cell_.regionFrame(), cell_.region_file, cell_.tf_timeout},
           tf_buffer_, onQueue(nh, &prompt_queue_), prompt_pnh_, scene_),
-      picks_(loadPickParams(readTree(pnh, kPickParams))),
+      tuning_(start_, prompt_pnh_),
+      picks_(start_.pick),
       part_services_(parts_, call_pnh_, prompt_pnh_),
-      snapshots_(
-          {cell_.snapshot_folder, cell_.snapshots_max, cell_.snapshots_mb, cell_.snapshot_failures},
-          settings(), call_pnh_),
-      health_(source_, parts_, {!cell_.trigger_service.empty(), settings()}, prompt_pnh_),
+      snapshots_(cell_, call_pnh_),
+      health_(
+          source_, parts_, tuning_, [this](const auto& frame) { cameraOf(frame); }, prompt_pnh_),
       bin_(binSettings(cell_), binHost(), call_pnh_),
-      views_(image_nh_, call_pnh_, pnh, locator_.params(), cell_, viewHost()),
+      views_(image_nh_, call_pnh_, pnh, start_.locator, cell_, viewHost()),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_),
       prompt_spinner_(1, &prompt_queue_) {
-  checkOnePlane(cell_, locator_.params().plane);
+  checkOnePlane(cell_, start_.locator.plane);
   showCell();
-  ROS_INFO_STREAM("locator:" << describe(locator_.params()));
-  ROS_INFO_STREAM("cell:" << describe(cell_));
+  ROS_INFO_STREAM(describe(start_));
   service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
   report_service_ =
       prompt_pnh_.advertiseService(kReportPickService, &LocatorRos::serveReport, this);
@@ -129,14 +129,10 @@ LocatorRos::~LocatorRos() {
   image_spinner_.stop();
 }
 
-std::string LocatorRos::settings() const {
-  return "locator:" + describe(locator_.params()) + "\ncell:" + describe(cell_) +
-         "\npick:" + describe(picks_.params()) + "\n";
-}
-
 bool LocatorRos::serve(Event<LocatePart>& event) {
   const Request& request = event.getRequest();
   Response& response = event.getResponse();
+  Health::Call call(health_);
   response.filling = -1.0;
   try {
     answer(event.getCallerName(), request, response);
@@ -154,7 +150,7 @@ bool LocatorRos::serve(Event<LocatePart>& event) {
                           response.status == Response::NO_PART_FOUND ||
                           response.status == Response::DEADLOCK;
   if (!has_answer) publisher_.clearMarkers();
-  health_.called(response);
+  call.answered(response);
   return true;  // the call itself worked, whatever its status
 }
 
@@ -183,6 +179,7 @@ Camera LocatorRos::cameraOf(const Frame& frame) const {
 
 void LocatorRos::answer(const std::string& caller, const Request& request, Response& response) {
   Stopwatch watch(response);
+  const auto settings = tuning_.current();
   const ros::Time asked = request.not_before.isZero() ? ros::Time::now() : request.not_before;
   const auto library = parts_.current();
   const std::vector<PartPtr> parts = library->select(request.part, request.parts);
@@ -198,13 +195,14 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   watch.lap("convert");
 
   answer.header.frame_id = cell_.target_frame.empty() ? image.frame_id : cell_.target_frame;
-  const Standing standing = cell_frames_.at(image, answer.header.frame_id, request.flange);
+  const Standing standing =
+      cell_frames_.at(settings->cell, image, answer.header.frame_id, request.flange);
   const Eigen::Isometry3d& T_target_camera = standing.pick.T_target_camera;
-  LocateRequest locate_request = cell_frames_.request(standing);
+  LocateRequest locate_request = cell_frames_.request(settings->cell, standing);
   locate_request.parts = answer.parts;
   locate_request.face = faceFilter(request.face);
   const std::string unsuitable = dropUnsuitable(answer.camera, &locate_request);
-  checkPlane(locate_request, answer.camera, locator_.params().plane);
+  checkPlane(locate_request, answer.camera, settings->locator.plane);
   answer.parts = locate_request.parts;
   const SeenRegion region{region_.current(), standing.T_region_camera};
   locate_request.window = windowOf(region, answer.camera, locate_request);
@@ -213,29 +211,30 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
     // One at a time: a call uses all cores anyway, and two would need twice the memory.
     const std::lock_guard<std::mutex> lock(locate_mutex_);
     watch.lap("queue");
-    answer.result = locator_.locate(answer.grey, answer.camera, locate_request);
+    answer.result = planar_bin_picking::Locator(settings->locator)
+                        .locate(answer.grey, answer.camera, locate_request);
   }
   watch.lap(answer.result.report.stages);
   // What one camera's picture says: this alone can be replayed.
-  CallRecord record{answer, locate_request, locator_.params(), library, T_target_camera, request,
-                    {}};
+  CallRecord record{answer, locate_request, *settings, library, T_target_camera, request, {}};
   if (views_.lookInSecond(asked, request.timeout, T_target_camera, &answer))
     watch.lap("second camera");
   planar_bin_picking::FloorCover cover;
   if (standing.T_camera_bin) {
-    cover = lookIntoBin(cell_, *standing.T_camera_bin, answer);
+    cover = lookIntoBin(settings->cell, *standing.T_camera_bin, answer);
     watch.lap("floor");
   }
   keepWithin(region, &answer);
-  show(standing, region, locate_request.distance_max, &answer);
+  show(settings->cell, standing, region, locate_request.distance_max, &answer);
   const Answer seen = answer;
-  auto offered = offer(std::move(answer), standing.pick, {caller, request.max_parts});
+  auto offered =
+      offer(std::move(answer), standing.pick, {caller, request.max_parts, settings->pick});
   views_.keep(seen, offered, standing.pick);
   watch.lap("publish");
   response.parts = std::move(offered.parts);
   response.refused = std::move(offered.refused);
-  conclude({locate_request, seen.result.report, locator_.params().score.threshold, offered.hint,
-            cell_, cover},
+  conclude({locate_request, seen.result.report, settings->locator.score.threshold, offered.hint,
+            settings->cell, cover},
            &response);
   if (!unsuitable.empty()) response.message += "; not looked for: " + unsuitable;
   record.answered = response;
@@ -258,9 +257,9 @@ void LocatorRos::showCell() {
   if (!cell_.plane_frame.empty()) scene_.show("plane", planeMarkers(cell_.plane_frame));
 }
 
-void LocatorRos::show(const Standing& standing, const SeenRegion& region, const double distance,
-                      Answer* answer) {
-  addOutlines(cell_, standing.T_camera_bin, region, answer);
+void LocatorRos::show(const CellParams& cell, const Standing& standing, const SeenRegion& region,
+                      const double distance, Answer* answer) {
+  addOutlines(cell, standing.T_camera_bin, region, answer);
   scene_.show("next view", {});  // was of the answer before
   scene_.show("camera",
               cameraMarkers({"camera", answer->header.frame_id, standing.pick.T_target_camera,
@@ -283,17 +282,20 @@ BinFinder::Host LocatorRos::binHost() {
           [this](const auto& frame) { return cameraOf(frame); },
           [this](const auto&... args) { return cell_frames_.transform(args...); },
           use,
-          &locator_,
+          [this] { return planar_bin_picking::Locator(tuning_.current()->locator); },
           &locate_mutex_};
 }
 
 ViewServices::Host LocatorRos::viewHost() {
   const auto offer_all = [this](Answer answer, const auto& T_target_camera, const auto& caller) {
-    const auto standing = cell_frames_.at(answer.frame.image->header, answer.header.frame_id);
+    const auto settings = tuning_.current();
+    const auto standing =
+        cell_frames_.at(settings->cell, answer.frame.image->header, answer.header.frame_id);
     SeenRegion region{region_.current(), standing.T_region_camera};
     region.region.pixels.clear();  // of the first picture; this one may be taken from elsewhere
     keepWithin(region, &answer);
-    return offer(std::move(answer), {T_target_camera, standing.pick.bin}, {caller, 0});
+    return offer(std::move(answer), {T_target_camera, standing.pick.bin},
+                 {caller, 0, settings->pick});
   };
   const auto show = [this](const auto& T_target_camera, const Camera& camera) {
     scene_.show("next view", cameraMarkers({"next_view",

@@ -19,9 +19,9 @@
 #include "locator/pick_keeper.h"
 #include "locator/region/region_keeper.h"
 #include "locator/settings/cell_params.h"
+#include "locator/settings/tuning.h"
 #include "locator/snapshot/snapshot_keeper.h"
 #include "locator/view_services.h"
-#include "planar_bin_picking/locate/locator.h"
 #include "shared/transform_listener.h"
 
 #include <planar_bin_picking/LocatePart.h>
@@ -56,9 +56,6 @@ class LocatorRos {
   /// The steps of a call. @throws Refusal  there is no answer
   void answer(const std::string& caller, const Request& request, Response& response);
 
-  /// All parameters in force, a line each.
-  std::string settings() const;
-
   PickKeeper::Offered offer(Answer answer, const PickKeeper::Frames& frames,
                             const PickKeeper::Call& call);
   ViewServices::Host viewHost();
@@ -70,12 +67,13 @@ class LocatorRos {
   void showCell();  ///< bin and plane in rviz
   /// Camera, bin and region as a call's picture has them, in rviz and in the overlay.
   /// @param distance  up to which the camera looks, metres
-  void show(const Standing& standing, const SeenRegion& region, double distance, Answer* answer);
+  void show(const CellParams& cell, const Standing& standing, const SeenRegion& region,
+            double distance, Answer* answer);
   /// Asks for an image where images do not come of themselves. @throws Refusal  NO_IMAGE
   void trigger();
 
-  const planar_bin_picking::Locator locator_;
-  const CellParams cell_;
+  const Settings start_;
+  const CellParams& cell_;  ///< as at the start: for all but what may be tuned
   const std::optional<planar_bin_picking::Camera> camera_;  ///< of camera_info_file
   PartStore parts_;
 
@@ -88,6 +86,7 @@ class LocatorRos {
   AnswerPublisher publisher_;
   ScenePublisher scene_;
   RegionKeeper region_;
+  Tuning tuning_;
   PickKeeper picks_;
   PartServices part_services_;
   SnapshotKeeper snapshots_;

@@ -194,6 +194,7 @@ PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const
   for (const Entry& entry : entries) candidates.push_back(entry.candidate);
 
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (call.params) policy_.use(*call.params);
   const auto plan = policy_.plan(candidates, frames.bin, call.max_parts);
   Offered offered;
   offered.hint = planar_bin_picking::deadlockHint(plan.refused);

@@ -44,12 +44,12 @@ class PickKeeper {
   struct Call {
     std::string caller;         ///< name of its node
     std::size_t max_parts = 0;  ///< 0 = all
+    /// From this call on; nothing: as before.
+    std::optional<planar_bin_picking::PickParams> params;
   };
 
   /// Publishes an answer and returns what went out, with its frames' names.
   using Publish = std::function<std::vector<planar_bin_picking::LocatedPart>(Answer)>;
-
-  const planar_bin_picking::PickParams& params() const { return policy_.params(); }
 
   struct Offered {
     std::vector<planar_bin_picking::LocatedPart> parts;

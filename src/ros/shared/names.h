@@ -6,45 +6,88 @@
 
 namespace planar_bin_picking_ros {
 
-// Public, below the node's namespace. The camera_info topic is the sibling of the image.
-constexpr char kImageTopic[] = "camera/image_raw";
-constexpr char kClickedPointTopic[] = "clicked_point";  // rviz's tool Publish Point
+// The comment above each name is "type: what it is", of which doc/interface.md is made.
 
-// Private, below the node's name.
+// The locator's, below the node's name; the image is public, below the node's namespace.
+/// sensor_msgs/Image: subscribed; its camera_info stands beside it
+constexpr char kImageTopic[] = "camera/image_raw";
+/// geometry_msgs/PointStamped: subscribed: corners of a region, from rviz's tool Publish Point
+constexpr char kClickedPointTopic[] = "clicked_point";
+/// planar_bin_picking/LocatePart: where the parts are in the next image
 constexpr char kLocatePartService[] = "locate_part";
+/// planar_bin_picking/ReportPick: what came of a pick; the next part of the same image
 constexpr char kReportPickService[] = "report_pick";
-constexpr char kParametersService[] = "parameters";
-constexpr char kSaveSnapshotService[] = "save_snapshot";
-constexpr char kListPartsService[] = "list_parts";
-constexpr char kReloadPartsService[] = "reload_parts";
+/// planar_bin_picking/RefinePart: one more look at parts that were located
 constexpr char kRefinePartService[] = "refine_part";
+/// planar_bin_picking/NextView: where the camera should look from next; moves nothing
 constexpr char kNextViewService[] = "next_view";
+/// planar_bin_picking/ListParts: what was read of each part, or why it was not
+constexpr char kListPartsService[] = "list_parts";
+/// std_srvs/Trigger: reads all part files anew; no success where one is broken
+constexpr char kReloadPartsService[] = "reload_parts";
+/// std_srvs/Trigger: saves the latest call
+constexpr char kSaveSnapshotService[] = "save_snapshot";
+/// std_srvs/Trigger: all parameters in force
+constexpr char kParametersService[] = "parameters";
+/// std_srvs/Trigger: writes what was tuned into the cell's file
+constexpr char kSaveParametersService[] = "save_parameters";
+/// planar_bin_picking/LocatedParts: latched: the latest answer
 constexpr char kLocatedPartsTopic[] = "located_parts";
+/// visualization_msgs/MarkerArray: latched: outlines and names, for rviz
 constexpr char kMarkersTopic[] = "markers";
+/// sensor_msgs/Image: the latest answer drawn into its image, for whoever subscribes
 constexpr char kOverlayTopic[] = "overlay";
+/// planar_bin_picking/LocateBin: finds the bin by its rim
 constexpr char kLocateBinService[] = "locate_bin";
+/// geometry_msgs/PoseStamped: latched: the bin as it was found last, and is in force
 constexpr char kBinTopic[] = "bin";
+/// visualization_msgs/MarkerArray: latched: bin, region, camera, plane and next view, for rviz
 constexpr char kSceneTopic[] = "scene";
+/// std_srvs/Trigger: puts the clicked region in force and keeps it
 constexpr char kSaveRegionService[] = "save_region";
+/// std_srvs/Trigger: forgets the clicked points, or else the region that was taught
 constexpr char kClearRegionService[] = "clear_region";
+/// std_msgs/Header: once a second, as long as the node lives
+constexpr char kHeartbeatTopic[] = "heartbeat";
+
+// The HDR node's, below the node's name.
+/// sensor_msgs/Image: one image of the bracket, 8 bits; its camera_info stands beside it
 constexpr char kHdrImageTopic[] = "image_raw";
+/// std_srvs/Trigger: takes an exposure bracket
 constexpr char kTakeService[] = "take";
 
-// The calibrator's, below the node's name; the robot's service below the node's namespace.
+// The calibrator's, below the node's name.
+/// planar_bin_picking/MoveRobot: called: the robot, below the node's namespace
 constexpr char kMoveRobotService[] = "move_robot";
+/// std_srvs/Trigger: begins a new set of pictures
 constexpr char kStartService[] = "start";
+/// std_srvs/Trigger: stops the robot at once
 constexpr char kAbortService[] = "abort";
+/// std_srvs/Trigger: goes on where the status says that it waits
 constexpr char kNextService[] = "next";
+/// std_srvs/Trigger: shows the first poses and moves nothing
 constexpr char kPlanService[] = "plan";
+/// std_srvs/Trigger: adds a picture from where the robot stands
 constexpr char kAddSampleService[] = "add_sample";
+/// planar_bin_picking/RemoveSample: leaves out one sample, or all
 constexpr char kRemoveSampleService[] = "remove_sample";
+/// std_srvs/Trigger: numbers the samples
 constexpr char kListSamplesService[] = "list_samples";
+/// std_srvs/Trigger: goes on with the samples in output_folder
 constexpr char kLoadSamplesService[] = "load_samples";
+/// std_srvs/Trigger: as start, but adds to the samples that there are
 constexpr char kAddViewsService[] = "add_views";
+/// std_srvs/Trigger: whether the calibration is still good; changes nothing
 constexpr char kVerifyService[] = "verify";
+/// std_srvs/Trigger: solves the samples that there are
 constexpr char kFinishService[] = "finish";
+/// std_msgs/String: latched: what it does, or how it ended
 constexpr char kStatusTopic[] = "status";
+/// visualization_msgs/MarkerArray: latched: the poses to come, for rviz
 constexpr char kPlanTopic[] = "plan_markers";
+
+// Below which the numbers are that may be changed while the locator runs (dynamic_reconfigure).
+constexpr char kTuningName[] = "tuning";
 
 // Private parameter trees; nothing else is read.
 constexpr char kLocatorParams[] = "locator";

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-// What is not known well enough to be picked, as pick_policy.h says it.
+// What is not known well enough to be picked, and parameters that change, as pick_policy.h says it.
 
 #include "planar_bin_picking/pick/pick_policy.h"
 
@@ -8,6 +8,8 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <vector>
 
 namespace planar_bin_picking {
 namespace {
@@ -70,6 +72,43 @@ TEST(TiltSigma, IsThatOfTheWorstAxis) {
   covariance(3, 3) = covariance(4, 4) = 2.5e-4;
   covariance(3, 4) = covariance(4, 3) = 1.5e-4;
   EXPECT_NEAR(tiltSigma(covariance), 0.02, 1e-12);
+}
+
+PickCandidate at(const double x) {
+  PickCandidate candidate = known(0.0, 0.0);
+  candidate.center.x() = x;
+  return candidate;
+}
+
+std::vector<std::size_t> offered(const PickPlan& plan) {
+  std::vector<std::size_t> indices;
+  for (const auto& offer : plan.offers) indices.push_back(offer.candidate);
+  return indices;
+}
+
+using Indices = std::vector<std::size_t>;
+
+TEST(TunedPolicy, OffersNoMoreThanTheCellWants) {
+  PickParams params;
+  params.max_parts = 2;
+  PickPolicy policy{params};
+  const std::vector<PickCandidate> candidates = {at(0.0), at(0.1), at(0.2)};
+  EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Indices({0, 1}));
+  EXPECT_EQ(offered(policy.plan(candidates, std::nullopt, 1)), Indices({0}));
+  EXPECT_EQ(offered(policy.plan(candidates, std::nullopt, 3)), Indices({0, 1}));
+}
+
+TEST(TunedPolicy, RemembersFailures) {
+  PickPolicy policy{PickParams()};
+  const std::vector<PickCandidate> candidates = {at(0.0), at(0.1)};
+  policy.fail(candidates[0]);
+  PickParams params;
+  params.failures_max = 1;
+  policy.use(params);
+  EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Indices({1}));
+  params.failures_max = 0;
+  EXPECT_THROW(policy.use(params), std::invalid_argument);
+  EXPECT_EQ(policy.params().failures_max, 1);
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ TEST(SnapshotRing, KeepsTheLatestAndWhatIsNotItsOwn) {
     const std::string path = ring.nextPath(1.7e9 + 0.25 * (i / 2), "DEADLOCK");
     EXPECT_FALSE(fs::exists(path));
     writeSnapshot(path, example(), {}, {});
-    ring.trim();
+    ring.trim(1.7e9);
   }
   const auto paths = ring.paths();
   ASSERT_EQ(paths.size(), 3u);
@@ -126,8 +126,22 @@ TEST(SnapshotRing, KeepsTheLatestAndWhatIsNotItsOwn) {
   EXPECT_EQ(fs::path(paths[2]).filename(), "20231114_221320.500_DEADLOCK");
   EXPECT_TRUE(fs::exists(folder.path("mine.txt")));
   const SnapshotRing narrow(folder.path(""), 3, 1);  // byte
-  narrow.trim();
+  narrow.trim(1.7e9);
   EXPECT_EQ(narrow.paths(), std::vector<std::string>{paths[2]});
+}
+
+TEST(SnapshotRing, KeepsThemForSoManyHours) {
+  const TempDir folder;
+  constexpr std::uint64_t kMuch = 1u << 30;
+  constexpr double kHour = 3600.0, kStart = 1.7e9;
+  const SnapshotRing day(folder.path(""), 100, kMuch, 24.0);
+  for (int i = 0; i < 4; ++i)
+    writeSnapshot(day.nextPath(kStart + 12.0 * kHour * i, "CALL"), example(), {}, {});
+  day.trim(kStart + 24.5 * kHour);
+  EXPECT_EQ(day.paths().size(), 3u);
+  day.trim(kStart + 1000.0 * kHour);  // the latest is kept whatever its age
+  EXPECT_EQ(day.paths().size(), 1u);
+  EXPECT_EQ(fs::path(day.paths()[0]).filename().string().substr(0, 8), "20231116");
 }
 
 }  // namespace

@@ -7,11 +7,14 @@
 #include "hdr/hdr_node_params.h"
 #include "locator/parts/part_library.h"
 #include "locator/settings/load_params.h"
+#include "locator/settings/settings.h"
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
 #include <fstream>
+#include <iterator>
+#include <regex>
 #include <set>
 #include <string>
 
@@ -59,6 +62,25 @@ TEST(Config, PickYamlEqualsDefaults) {
         keys.insert(key);
       });
   EXPECT_EQ(keysOf(root), keys);
+}
+
+// An operator may change every rule of the pick policy; of the rest, what the list names.
+TEST(Config, TuningNamesParameters) {
+  std::ifstream file(kConfig + "Tuning.cfg");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::set<std::string> names;
+  const std::regex entry("\"(\\w+)\": \"");
+  for (std::sregex_iterator i(text.begin(), text.end(), entry); i != std::sregex_iterator(); ++i)
+    names.insert((*i)[1]);
+  Settings settings;
+  settings.cell.bin_min = settings.cell.bin_max = {0.0, 0.0, 0.0};
+  const auto numbers = numbersOf(settings);
+  for (const std::string& name : names) EXPECT_EQ(numbers.count(name), 1u) << name;
+  planar_bin_picking::PickParams::fields(
+      settings.pick, [&](const std::string& key, const auto& member, auto&&... range) {
+        if (std::is_arithmetic_v<std::decay_t<decltype(member)>> && sizeof...(range) == 2)
+          EXPECT_EQ(names.count(key), 1u) << key << " is missing in config/Tuning.cfg";
+      });
 }
 
 TEST(Config, HdrYamlEqualsDefaults) {

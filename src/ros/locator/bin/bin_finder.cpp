@@ -66,7 +66,7 @@ std::optional<FoundBin> BinFinder::find(const Frame& frame) {
   const planar_bin_picking::Camera camera = host_.camera_of(frame);
   const std::lock_guard<std::mutex> lock(*host_.locate_mutex);
   try {
-    return planar_bin_picking::findBin(toGrey(frame.image), camera, search, *host_.locator);
+    return planar_bin_picking::findBin(toGrey(frame.image), camera, search, host_.locator());
   } catch (const std::invalid_argument& error) {  // size and distances
     throw Refusal(Response::BAD_BIN, std::string(error.what()) +
                                          "; the whole rim has to be in the picture: check "

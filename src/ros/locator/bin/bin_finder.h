@@ -38,7 +38,8 @@ class BinFinder {
         transform;
     /// From now on the bin stands so from where the file has it.
     std::function<void(const Eigen::Isometry3d& T_told_found)> use;
-    const planar_bin_picking::Locator* locator;
+    /// With its parameters as they are now.
+    std::function<planar_bin_picking::Locator()> locator;
     std::mutex* locate_mutex;
   };
 

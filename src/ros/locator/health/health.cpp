@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locator/health/health.h"
 
+#include "hand_eye/calibration_age.h"
 #include "shared/convert.h"
 #include "shared/names.h"
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <planar_bin_picking/RefusedPart.h>
+#include <ros/console.h>
+#include <std_msgs/Header.h>
 
 #include <algorithm>
 #include <cmath>
@@ -60,35 +63,78 @@ double since(const SteadyTime then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
 }
 
+/// How good and how old one file of the calibration is.
+/// @return  what to say where that is not good
+std::string describeCalibration(const std::string& key, const std::string& path,
+                                diagnostic_updater::DiagnosticStatusWrapper* status) {
+  if (path.empty()) {
+    status->add(key, "not named in the cell's file");
+    return "";
+  }
+  status->add(key, path);
+  try {
+    const CalibrationAge age = calibrationAge(path);
+    status->add(key + ", verdict", age.verdict.empty() ? "not said" : age.verdict);
+    status->add(key + ", age in days", age.days);
+    return age.verdict == "POOR" || age.verdict == "REFUSED" ? key + " is " + age.verdict : "";
+  } catch (const std::runtime_error& error) {
+    status->add(key + ", error", error.what());
+    return error.what();
+  }
+}
+
 }  // namespace
 
-Health::Health(const ImageSource& source, const PartStore& parts, Cell cell, ros::NodeHandle nh)
-    : source_(source), parts_(parts), cell_(std::move(cell)), updater_(nh, nh, nh.getNamespace()) {
+Health::Health(const ImageSource& source, const PartStore& parts, const Tuning& tuning,
+               CheckCamera check_camera, ros::NodeHandle nh)
+    : source_(source),
+      parts_(parts),
+      tuning_(tuning),
+      check_camera_(std::move(check_camera)),
+      updater_(nh, nh, nh.getNamespace()),
+      heartbeat_(nh.advertise<std_msgs::Header>(kHeartbeatTopic, 1)) {
   updater_.setHardwareID(source_.topic());
   updater_.add("camera", this, &Health::camera);
+  updater_.add("calibration", [this](Status& status) { calibration(status); });
   updater_.add("parts", [this](Status& status) { this->parts(status); });
   updater_.add("calls", this, &Health::calls);
   constexpr double kPeriod = 1.0;  // s
   timer_ = nh.createWallTimer(ros::WallDuration(kPeriod),
-                              [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+                              [this](const ros::WallTimerEvent&) { beat(); });
   const boost::function<bool(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&)> serve =
       [this](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
         response.success = true;
-        response.message = cell_.settings;
+        response.message = describe(*tuning_.current());
         return true;
       };
   parameters_ = nh.advertiseService(kParametersService, serve);
 }
 
+void Health::beat() {
+  std_msgs::Header now;
+  now.stamp = ros::Time::now();
+  heartbeat_.publish(now);
+  updater_.force_update();
+}
+
+void Health::count(const int change) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  under_way_ += change;
+}
+
 void Health::called(const Response& response) {
+  const double threshold = tuning_.current()->locator.score.threshold;
   const std::lock_guard<std::mutex> lock(mutex_);
   latest_ = response;
+  latest_threshold_ = threshold;
   called_ = std::chrono::steady_clock::now();
   ++by_status_[response.status];
+  deadlocks_in_a_row_ = response.status == Response::DEADLOCK ? deadlocks_in_a_row_ + 1 : 0;
 }
 
 void Health::camera(Status& status) {
   constexpr double kOld = 5.0;  // s without an image that comes of itself
+  const bool has_trigger = !tuning_.current()->cell.trigger_service.empty();
   const ImageSource::Traffic traffic = source_.traffic();
   const std::size_t fresh = traffic.images.count - images_;
   const double rate = static_cast<double>(fresh) / std::max(1e-3, since(looked_));
@@ -96,11 +142,12 @@ void Health::camera(Status& status) {
   looked_ = std::chrono::steady_clock::now();
   const bool has_image = traffic.images.count > 0;
   const double age = has_image ? since(traffic.images.received) : -1.0;
+  const auto newest = source_.newest();
   if (!traffic.has_publisher) {
     status.summary(DiagnosticStatus::ERROR, "nobody publishes " + source_.topic());
-  } else if (cell_.has_trigger && !has_image) {
+  } else if (has_trigger && !has_image) {
     status.summary(DiagnosticStatus::OK, "images come on request; none was asked for yet");
-  } else if (!has_image || (!cell_.has_trigger && age > kOld)) {
+  } else if (!has_image || (!has_trigger && age > kOld)) {
     status.summary(DiagnosticStatus::ERROR, "no image comes on " + source_.topic());
   } else if (traffic.infos.count == 0) {
     status.summary(DiagnosticStatus::ERROR, "no camera_info comes beside " + source_.topic());
@@ -108,12 +155,61 @@ void Health::camera(Status& status) {
     status.summary(DiagnosticStatus::ERROR, "images and camera_info have different stamps");
   } else {
     status.summary(DiagnosticStatus::OK, "images come");
+    try {
+      if (newest) check_camera_(*newest);
+    } catch (const std::exception& error) {
+      status.summary(DiagnosticStatus::ERROR, error.what());
+    }
   }
   status.add("topic", source_.topic());
+  if (newest) {
+    status.add("frame", newest->image->header.frame_id);
+    status.add("width", newest->image->width);
+    status.add("height", newest->image->height);
+  }
   status.add("rate in Hz", rate);
   status.add("age of the latest image in s", age);
   status.add("images", traffic.images.count);
   status.add("camera_infos", traffic.infos.count);
+  warn(status);
+}
+
+void Health::warn(const Status& status) {
+  constexpr double kAgain = 60.0;  // s
+  const std::string text = status.level == DiagnosticStatus::OK ? "" : status.message;
+  if (text == warning_ && (text.empty() || since(warned_) < kAgain)) return;
+  const auto newest = source_.newest();
+  const std::string frame = newest ? ", frame '" + newest->image->header.frame_id + "'" : "";
+  if (text.empty()) {
+    ROS_INFO_STREAM("camera on " << source_.topic() << frame << ": is well again");
+  } else {
+    ROS_WARN_STREAM("camera on " << source_.topic() << frame << ": " << text);
+  }
+  warning_ = text;
+  warned_ = std::chrono::steady_clock::now();
+}
+
+void Health::calibration(Status& status) {
+  constexpr double kAgain = 60.0;  // s; it changes by the day
+  if (calibration_read_ != SteadyTime{} && since(calibration_read_) < kAgain) {
+    status.summary(calibration_);
+    status.values = calibration_.values;
+    return;
+  }
+  const auto settings = tuning_.current();
+  std::string trouble;
+  for (const auto& [key, path] : {std::pair{"camera_info_file", settings->cell.camera_info_file},
+                                  std::pair{"hand_eye_file", settings->cell.hand_eye_file}}) {
+    const std::string text = describeCalibration(key, path, &status);
+    if (!text.empty()) trouble += (trouble.empty() ? "" : "; ") + text;
+  }
+  if (!trouble.empty()) {
+    status.summary(DiagnosticStatus::WARN, trouble);
+  } else {
+    status.summary(DiagnosticStatus::OK, "nothing speaks against it");
+  }
+  calibration_ = status;
+  calibration_read_ = std::chrono::steady_clock::now();
 }
 
 void Health::parts(Status& status) const {
@@ -141,11 +237,21 @@ void Health::calls(Status& status) {
   for (const auto& entry : by_status_) calls += entry.second;
   if (calls == 0) {
     status.summary(DiagnosticStatus::OK, "no call yet");
-    return;
+  } else {
+    status.summary(levelOf(latest_.status),
+                   std::string(nameOfStatus(latest_.status)) + ": " + latest_.message);
+    describeLatest(status);
   }
-  status.summary(levelOf(latest_.status),
-                 std::string(nameOfStatus(latest_.status)) + ": " + latest_.message);
+  status.add("calls under way", under_way_);
+  status.add("calls", calls);
+  status.add("deadlocks in a row", deadlocks_in_a_row_);
+  for (const auto& [code, count] : by_status_)
+    status.add(std::string("calls that ended with ") + nameOfStatus(code), count);
+}
+
+void Health::describeLatest(Status& status) const {
   status.add("latest, s ago", since(called_));
+  status.add("found", latest_.parts.size() + latest_.refused.size());
   status.add("offered", latest_.parts.size());
   std::map<std::uint8_t, std::size_t> reasons;
   for (const auto& refused : latest_.refused) ++reasons[refused.reason];
@@ -155,11 +261,11 @@ void Health::calls(Status& status) {
   for (const auto& time : latest_.times)
     if (time.stage != "wait") seconds += time.seconds;
   status.add("seconds without waiting", seconds);
-  if (!latest_.parts.empty()) status.add("score of the first", latest_.parts.front().score);
+  if (!latest_.parts.empty()) {
+    status.add("score of the first", latest_.parts.front().score);
+    status.add("score margin", latest_.parts.front().score - latest_threshold_);
+  }
   status.add("filling", latest_.filling);
-  status.add("calls", calls);
-  for (const auto& [code, count] : by_status_)
-    status.add(std::string("calls that ended with ") + nameOfStatus(code), count);
 }
 
 }  // namespace planar_bin_picking_ros

@@ -13,6 +13,7 @@
 namespace planar_bin_picking_ros {
 
 struct CellParams {
+  std::string cell_file;     ///< which these came from, for ~save_parameters; "" = there is none
   std::string parts_folder;  ///< *.yaml and *.dxf in it are the parts
   double parts_poll = 1.0;   ///< s between two looks at the folder; 0 = only on ~reload_parts
   std::string target_frame;  ///< frame of the answers; "" = the camera's
@@ -63,6 +64,9 @@ struct CellParams {
   int snapshots_max = 20;       ///< kept there; the oldest go
   double snapshots_mb = 500.0;  ///< of all together
   int snapshot_failures = 3;    ///< failed picks in a row after which one is saved; 0 = never
+  std::string archive_folder;   ///< where every call is saved; "" = nowhere
+  double archive_mb = 20000.0;  ///< of all together; the oldest go
+  double archive_hours = 24.0;  ///< that a call is kept; 0 = until there is no room
 
   bool hasBin() const { return !bin_frame.empty(); }
   const std::string& regionFrame() const {
@@ -73,6 +77,7 @@ struct CellParams {
   /// Calls visit(key, member, min, max) for numbers and visit(key, member) for all else.
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
+    visit("cell_file", self.cell_file);
     visit("parts_folder", self.parts_folder);
     visit("parts_poll", self.parts_poll, 0.0, 3600.0);
     visit("target_frame", self.target_frame);
@@ -102,6 +107,9 @@ struct CellParams {
     visit("snapshots_max", self.snapshots_max, 1, 100000);
     visit("snapshots_mb", self.snapshots_mb, 1.0, 1e7);
     visit("snapshot_failures", self.snapshot_failures, 0, 1000);
+    visit("archive_folder", self.archive_folder);
+    visit("archive_mb", self.archive_mb, 1.0, 1e8);
+    visit("archive_hours", self.archive_hours, 0.0, 1e5);
     visit("hand_eye_file", self.hand_eye_file);
     visit("next_view_min", self.next_view_min);
     visit("next_view_max", self.next_view_max);

@@ -9,6 +9,7 @@
 #include <ros/console.h>
 
 #include <filesystem>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -22,7 +23,7 @@ namespace {
 
 /// A robot program that asks again and again would push everything else out of the ring.
 constexpr std::chrono::seconds kQuiet(10);
-constexpr std::size_t kJobs = 2;  ///< waiting for the disk; each holds an image
+constexpr std::size_t kJobs = 3;  ///< waiting for the disk; each holds an image
 
 template <class Message>
 std::string print(const Message& message) {
@@ -57,15 +58,24 @@ std::vector<SnapshotPartFile> partFiles(const CallRecord& record, std::string* c
 
 }  // namespace
 
-SnapshotKeeper::SnapshotKeeper(const SnapshotLimits& limits, const std::string& settings,
-                               ros::NodeHandle nh)
-    : limits_(limits), settings_(settings) {
-  if (!limits_.folder.empty()) {
+SnapshotKeeper::SnapshotKeeper(const CellParams& cell, ros::NodeHandle nh)
+    : failures_max_(cell.snapshot_failures) {
+  const auto bytes = [](const double megabytes) {
     constexpr double kMegabyte = 1e6;
-    ring_.emplace(limits_.folder, static_cast<std::size_t>(limits_.count),
-                  static_cast<std::uint64_t>(limits_.megabytes * kMegabyte));
-    thread_ = std::thread(&SnapshotKeeper::work, this);
+    return static_cast<std::uint64_t>(megabytes * kMegabyte);
+  };
+  if (!cell.snapshot_folder.empty()) {
+    ring_.emplace(cell.snapshot_folder, static_cast<std::size_t>(cell.snapshots_max),
+                  bytes(cell.snapshots_mb));
   }
+  if (!cell.archive_folder.empty()) {
+    if (cell.archive_folder == cell.snapshot_folder)
+      throw std::runtime_error(
+          "~cell/archive_folder and ~cell/snapshot_folder are the same: each needs its own");
+    archive_.emplace(cell.archive_folder, std::numeric_limits<std::size_t>::max(),
+                     bytes(cell.archive_mb), cell.archive_hours);
+  }
+  if (ring_ || archive_) thread_ = std::thread(&SnapshotKeeper::work, this);
   service_ = nh.advertiseService(kSaveSnapshotService, &SnapshotKeeper::serve, this);
 }
 
@@ -84,12 +94,24 @@ void SnapshotKeeper::note(CallRecord record) {
   latest_ = std::make_shared<const CallRecord>(std::move(record));
   if (status == Response::NO_PART_FOUND) saveBesides("NO_PART_FOUND");
   if (status == Response::DEADLOCK) saveBesides("DEADLOCK");
+  archive();
+}
+
+void SnapshotKeeper::archive() {
+  if (!archive_) return;
+  const bool is_full = jobs_.size() + 1 >= kJobs;  // one place is left for what went wrong
+  if (is_full && !misses_)
+    ROS_WARN_STREAM("the disk is too slow for all calls to be kept in ~cell/archive_folder");
+  misses_ = is_full;
+  if (is_full) return;
+  jobs_.push_back({latest_, "CALL", &*archive_});
+  wake_.notify_all();
 }
 
 void SnapshotKeeper::reported(const bool success) {
   const std::lock_guard<std::mutex> lock(mutex_);
   failures_ = success ? 0 : failures_ + 1;
-  if (limits_.failures > 0 && failures_ >= limits_.failures) {
+  if (failures_max_ > 0 && failures_ >= failures_max_) {
     saveBesides("FAILED_PICKS");
     failures_ = 0;
   }
@@ -102,7 +124,7 @@ void SnapshotKeeper::saveBesides(const std::string& reason) {
   if (before != saved_at_.end() && now - before->second < kQuiet) return;
   if (jobs_.size() >= kJobs) return;
   saved_at_[reason] = now;
-  jobs_.push_back({latest_, reason});
+  jobs_.push_back({latest_, reason, &*ring_});
   wake_.notify_all();
 }
 
@@ -117,7 +139,8 @@ void SnapshotKeeper::work() {
       jobs_.pop_front();
     }
     try {
-      ROS_INFO_STREAM("saved the snapshot " << save(job));
+      const std::string path = save(job);
+      if (!archive_ || job.ring != &*archive_) ROS_INFO_STREAM("saved the snapshot " << path);
     } catch (const std::exception& error) {
       ROS_ERROR_STREAM("a snapshot could not be saved: " << error.what());
     }
@@ -134,16 +157,17 @@ std::string SnapshotKeeper::save(const Job& job) {
       {"ros_answer.txt", print(record.answered)},
       {"ros_camera_info.txt", print(*record.answer.frame.info)},
       {"transform.txt", transformText(record)},
-      {"settings.txt", settings_}};
+      {"settings.txt", describe(record.settings)}};
   if (!changed.empty())
     texts.push_back({"changed_since.txt", "# read before they were changed:" + changed + "\n"});
-  const std::string path = ring_->nextPath(ros::WallTime::now().toSec(), job.reason);
+  const double now = ros::WallTime::now().toSec();
+  const std::string path = job.ring->nextPath(now, job.reason);
   planar_bin_picking::writeSnapshot(
       path,
-      {PACKAGE_VERSION, record.answer.grey, record.answer.camera, record.params, record.request,
-       planar_bin_picking::resultText(record.answer.result)},
+      {PACKAGE_VERSION, record.answer.grey, record.answer.camera, record.settings.locator,
+       record.request, planar_bin_picking::resultText(record.answer.result)},
       files, texts);
-  ring_->trim();
+  job.ring->trim(now);
   return path;
 }
 
@@ -151,7 +175,7 @@ bool SnapshotKeeper::serve(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
   Job job;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    job = {latest_, "ASKED_FOR"};
+    job = {latest_, "ASKED_FOR", ring_ ? &*ring_ : nullptr};
   }
   response.success = false;
   if (!ring_) {

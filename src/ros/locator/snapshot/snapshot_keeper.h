@@ -8,6 +8,7 @@
 
 #include "locator/answer/answer.h"
 #include "locator/parts/part_library.h"
+#include "locator/settings/settings.h"
 #include "planar_bin_picking/snapshot/snapshot_ring.h"
 
 #include <planar_bin_picking/LocatePart.h>
@@ -33,31 +34,25 @@ namespace planar_bin_picking_ros {
 struct CallRecord {
   Answer answer;  ///< with the result as the locator gave it
   planar_bin_picking::LocateRequest request;
-  planar_bin_picking::LocatorParams params;
+  Settings settings;
   std::shared_ptr<const PartLibrary> library;
   Eigen::Isometry3d T_target_camera = Eigen::Isometry3d::Identity();
   planar_bin_picking::LocatePart::Request asked;
   planar_bin_picking::LocatePart::Response answered;
 };
 
-struct SnapshotLimits {
-  std::string folder;      ///< "" = none are saved
-  int count = 0;           ///< kept at most
-  double megabytes = 0.0;  ///< of all together
-  int failures = 0;        ///< failed picks in a row after which one is saved; 0 = never
-};
-
 class SnapshotKeeper {
  public:
-  /// @param nh        its callback queue serves ~save_snapshot
-  /// @param settings  parameters in force, as text, to lie beside each snapshot
-  /// @throws std::runtime_error  the folder cannot be written to
-  SnapshotKeeper(const SnapshotLimits& limits, const std::string& settings, ros::NodeHandle nh);
+  /// @param cell  its folders and their limits
+  /// @param nh    its callback queue serves ~save_snapshot
+  /// @throws std::runtime_error  a folder cannot be written to
+  SnapshotKeeper(const CellParams& cell, ros::NodeHandle nh);
   ~SnapshotKeeper();
   SnapshotKeeper(const SnapshotKeeper&) = delete;
   SnapshotKeeper& operator=(const SnapshotKeeper&) = delete;
 
-  /// A call has ended. Saved by itself where its status is NO_PART_FOUND or DEADLOCK.
+  /// A call has ended. Saved by itself where its status is NO_PART_FOUND or DEADLOCK, and in any
+  /// case where the cell has an archive.
   void note(CallRecord record);
   /// A pick was reported.
   void reported(bool success);
@@ -66,18 +61,19 @@ class SnapshotKeeper {
   struct Job {
     std::shared_ptr<const CallRecord> record;
     std::string reason;
+    const planar_bin_picking::SnapshotRing* ring = nullptr;
   };
 
   bool serve(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   /// Unless the same was saved a moment ago. Under mutex_.
   void saveBesides(const std::string& reason);
+  void archive();  ///< the latest, beside the calls. Under mutex_.
   void work();
   /// @return  where it lies
   std::string save(const Job& job);
 
-  const SnapshotLimits limits_;
-  const std::string settings_;
-  std::optional<planar_bin_picking::SnapshotRing> ring_;
+  const int failures_max_;
+  std::optional<planar_bin_picking::SnapshotRing> ring_, archive_;
   std::mutex writing_;  ///< one is written at a time
 
   std::mutex mutex_;  ///< guards what follows
@@ -85,6 +81,7 @@ class SnapshotKeeper {
   std::deque<Job> jobs_;
   std::map<std::string, std::chrono::steady_clock::time_point> saved_at_;  ///< by reason
   int failures_ = 0;
+  bool misses_ = false;  ///< the disk is too slow for the archive
   bool ends_ = false;
   std::condition_variable wake_;
   std::thread thread_;

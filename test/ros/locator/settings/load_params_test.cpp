@@ -4,9 +4,16 @@
 
 #include "calibrator/calibrator_params.h"
 #include "hdr/hdr_node_params.h"
+#include "locator/settings/settings.h"
+#include "locator/settings/yaml_edit.h"
 #include "support/matchers.h"
+#include "support/temp_dir.h"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
 
 namespace planar_bin_picking_ros {
 namespace {
@@ -177,6 +184,134 @@ TEST(LoadCellParams, TakesTheOtherCameraAndTheHandEyeFile) {
   EXPECT_EQ(cell.second_camera_topic, "second/image_raw");
   EXPECT_EQ(cell.second_camera_frame, "second_camera");
   EXPECT_EQ(cell.hand_eye_file, "hand_eye.yaml");
+}
+
+// --- all together --------------------------------------------------------------------------------
+
+TEST(Settings, TheCellsOwnValuesWin) {
+  XmlRpcValue locator = emptyTree(), pick = emptyTree(), cell = cellTree();
+  locator["score"]["threshold"] = 0.6;
+  locator["score"]["points"] = 100;
+  pick["score_min"] = 0.7;
+  pick["tilt_max_deg"] = 30.0;
+  cell["locator"]["score"]["threshold"] = 0.8;
+  cell["pick"]["score_min"] = 0.9;
+  const Settings settings = loadSettings(locator, pick, cell);
+  EXPECT_EQ(settings.locator.score.threshold, 0.8);
+  EXPECT_EQ(settings.locator.score.points, 100);
+  EXPECT_EQ(settings.pick.score_min, 0.9);
+  EXPECT_EQ(settings.pick.tilt_max_deg, 30.0);
+  EXPECT_EQ(settings.cell.distance_min, 0.5);
+  cell["pick"] = "none";
+  EXPECT_TRUE(refuses([&] { loadSettings(locator, pick, cell); }, {"~cell/pick", "tree"}));
+  cell["pick"] = emptyTree();
+  cell["pick"]["scoremin"] = 0.9;
+  EXPECT_TRUE(refuses([&] { loadSettings(locator, pick, cell); }, {"scoremin", "unknown"}));
+}
+
+TEST(Settings, ChangeAsAWholeOrNotAtAll) {
+  const Settings before = loadSettings(emptyTree(), emptyTree(), binTree());
+  const auto numbers = numbersOf(before);
+  EXPECT_EQ(numbers.at("score_threshold").value, LocatorParams{}.score.threshold);
+  EXPECT_EQ(numbers.at("score_threshold").max, 1.0);
+  EXPECT_EQ(numbers.at("bin_max_z").value, 0.3);
+  EXPECT_EQ(numbers.at("failures_max").min, 1.0);
+  const Settings after =
+      withNumbers(before, {{"score_threshold", 0.7}, {"bin_max_z", 0.4}, {"max_parts", 3.0}});
+  EXPECT_EQ(after.locator.score.threshold, 0.7);
+  EXPECT_EQ(after.cell.bin_max[2], 0.4);
+  EXPECT_EQ(after.pick.max_parts, 3);
+  const auto refused = [&](const std::map<std::string, double>& values, const std::string& a,
+                           const std::string& b) {
+    return refuses([&] { withNumbers(before, values); }, {a, b});
+  };
+  EXPECT_TRUE(refused({{"score_threshold", 1.5}}, "score_threshold is 1.5", "0 .. 1"));
+  EXPECT_TRUE(refused({{"score_threshold", std::nan("")}}, "score_threshold", "0 .. 1"));
+  EXPECT_TRUE(refused({{"max_parts", 1.5}}, "max_parts is 1.5", "whole number"));
+  EXPECT_TRUE(refused({{"bin_max_z", -1.0}}, "bin_min", "less than"));
+  EXPECT_TRUE(refused({{"distance_min", 0.5}}, "distance_min", "bin_frame"));
+  EXPECT_TRUE(refused({{"nonesuch", 1.0}}, "nonesuch", "no such list"));
+  const Settings flat = loadSettings(emptyTree(), emptyTree(), cellTree());
+  EXPECT_TRUE(refuses([&] { withNumbers(flat, {{"bin_min_x", 0.1}}); }, {"bin_min_x is 0.1"}));
+  EXPECT_EQ(withNumbers(flat, {{"bin_min_x", 0.0}, {"distance_min", 0.6}}).cell.distance_min, 0.6);
+}
+
+TEST(Settings, StandInTheCellsFileWhereTheyAreRead) {
+  const auto values = yamlOf(loadSettings(emptyTree(), emptyTree(), binTree()));
+  EXPECT_EQ(values.at({"locator", "score", "threshold"}), "0.65");
+  EXPECT_EQ(values.at({"pick", "failures_max"}), "2");
+  EXPECT_EQ(values.at({"bin_min"}), "[-0.2, -0.1, 0.0]");
+  EXPECT_EQ(values.at({"locator", "plane", "normal_z"}), "-1.0");
+}
+
+// --- the file ------------------------------------------------------------------------------------
+
+TEST(YamlEdit, NumbersAreReadByEveryReader) {
+  EXPECT_EQ(yamlNumber(0.65), "0.65");
+  EXPECT_EQ(yamlNumber(2.0), "2.0");
+  EXPECT_EQ(yamlNumber(1e-6), "0.000001");
+  EXPECT_EQ(yamlNumber(-100.0), "-100.0");
+}
+
+TEST(YamlEdit, KeepsAllElse) {
+  const std::string before =
+      "# The cell at gate 3\n"
+      "distance_min: 0.78   # measured\n"
+      "pick:\n"
+      "    score_min: 0.5\n"
+      "    # what the gripper needs\n"
+      "    tool_radius: 0.01\n"
+      "\n"
+      "target_frame: base\n";
+  EXPECT_EQ(withYamlValues(before, {{{"distance_min"}, "0.8"},
+                                    {{"bin_min"}, "[0.0, 1.0, 2.0]"},
+                                    {{"locator", "score", "threshold"}, "0.7"},
+                                    {{"pick", "score_min"}, "0.75"},
+                                    {{"pick", "max_parts"}, "3"}}),
+            "# The cell at gate 3\n"
+            "distance_min: 0.8    # measured\n"
+            "pick:\n"
+            "    score_min: 0.75\n"
+            "    # what the gripper needs\n"
+            "    tool_radius: 0.01\n"
+            "    max_parts: 3\n"
+            "\n"
+            "target_frame: base\n"
+            "bin_min: [0.0, 1.0, 2.0]\n"
+            "locator:\n"
+            "  score:\n"
+            "    threshold: 0.7\n");
+  EXPECT_EQ(withYamlValues("", {{{"a"}, "1"}}), "a: 1\n");
+  EXPECT_EQ(withYamlValues("# only a comment", {{{"a"}, "1"}}), "# only a comment\na: 1\n");
+}
+
+TEST(YamlEdit, RefusesWhatItCannotChange) {
+  const auto refused = [](const std::string& text, const std::string& word) {
+    return refuses([&] { withYamlValues(text, {{{"pick", "score_min"}, "0.5"}}); }, {word});
+  };
+  EXPECT_TRUE(refused("pick: {score_min: 0.1}\n", "pick/score_min"));
+  EXPECT_TRUE(refused("\"pick\":\n  score_min: 0.1\n", "pick/score_min"));
+  EXPECT_TRUE(refused("pick:\n  score_min:\n    0.1\n", "pick/score_min"));
+  EXPECT_TRUE(refused("pick: 3\n", "no map"));
+  EXPECT_TRUE(refused("- 1\n", "no map"));
+  EXPECT_TRUE(refused("a: [1\n", "yaml"));
+}
+
+TEST(YamlEdit, SavesInOneStepAndKeepsWhatWasThere) {
+  const planar_bin_picking::TempDir dir;
+  const std::string path = dir.write("cell.yaml", "a: 1  # one\n");
+  saveYamlValues(path, {{{"a"}, "2"}});
+  const auto contents = [](const std::string& name) {
+    std::ifstream file(name);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  EXPECT_EQ(contents(path), "a: 2  # one\n");
+  EXPECT_EQ(contents(path + ".before"), "a: 1  # one\n");
+  EXPECT_TRUE(refuses(
+      [&] {
+        saveYamlValues(dir.path("none.yaml"), {{{"a"}, "2"}});
+      },
+      {"none.yaml", "cannot be read"}));
 }
 
 }  // namespace
