@@ -21,6 +21,7 @@ import rostest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from planar_bin_picking.srv import ListParts, LocatePart, LocatePartRequest, LocatePartResponse, ReportPick
+from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
@@ -135,6 +136,7 @@ class Operation(TuningCases, CheckCellCases, RegionCases, unittest.TestCase):
             file.write("drawing: bracket.dxf\npick_poses:\n  - {name: arm, face: front, position_mm: [46, 17, 0], "
                        "rpy_deg: [180, 0, 0]}\n")
         self.comes_true(lambda: "late" in self.list_parts())
+        self.assert_picture("late")
         located = self.call("op", Status.OK, part="late")
         self.assertEqual({pick.name for part in located.parts for pick in part.picks}, {"arm"})
         with open(self.file("late.yaml"), "w") as file:
@@ -144,6 +146,21 @@ class Operation(TuningCases, CheckCellCases, RegionCases, unittest.TestCase):
         self.assertEqual(self.list_parts()["bracket"].read_at, first["bracket"].read_at)
         os.remove(self.file("late.yaml"))
         self.comes_true(lambda: "late" not in self.list_parts())
+        self.comes_true(lambda: "/op/part_pictures/late" not in self.topics())
+
+    @staticmethod
+    def topics():
+        return {name for name, _ in rospy.get_published_topics()}
+
+    def assert_picture(self, part):
+        """Both faces side by side, and below them what is written about the part."""
+        picture = rospy.wait_for_message("op/part_pictures/" + part, Image, UP)
+        self.assertEqual((picture.encoding, picture.header.frame_id), ("bgr8", part))
+        pixels = numpy.frombuffer(picture.data, numpy.uint8).reshape(picture.height, picture.width, 3)
+        front, back = pixels[:600, :picture.width // 2], pixels[:600, picture.width // 2:]
+        for face in (front, back):
+            self.assertLess((face == 255).all(axis=2).mean(), 0.9)  # not only paper
+        self.assertTrue((front != back).any())
 
     def test_parts_are_read_only_on_request_where_the_cell_says_so(self):
         self.list_parts("coarse")

@@ -30,8 +30,8 @@ PartSummary describePart(const PartModel& part);
 /// One YAML map, a line per field, in the order of the fields.
 std::string toYaml(const PartSummary& summary);
 
-/// One line without the name and the warnings, for a log: "90.0 x 60.0 mm, 2 holes, 0 prints, no
-/// symmetry, 2 pick poses, left out: layer DIM (14 entities)".
+/// One line without the name and the warnings, for a log: "90.0 x 60.0 mm, 2 holes, no symmetry, 2
+/// pick poses, left out: layer DIM (14 entities)".
 std::string toLine(const PartSummary& summary);
 
 }  // namespace planar_bin_picking

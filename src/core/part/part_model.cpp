@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/part/part_model.h"
 
+#include "base/parallel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <thread>
 
 namespace planar_bin_picking {
 namespace {
@@ -40,6 +43,21 @@ PartModel::PartModel(PartFile file) : file_(checked(std::move(file))), face_grid
   const OutlineShape shape{outline_, symmetry_, radius_, file_.thickness, has_print_};
   near_symmetries_ = findNearSymmetries(shape);
   near_order_ = findNearOrder(shape, near_symmetries_);
+}
+
+std::vector<LoadedPart> loadParts(const std::vector<std::string>& paths) {
+  std::vector<LoadedPart> loaded(paths.size());
+  const int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  parallelFor(static_cast<int>(paths.size()), threads, [&](const int i) {
+    LoadedPart& one = loaded[static_cast<std::size_t>(i)];
+    try {
+      one.part =
+          std::make_shared<const PartModel>(loadPartFile(paths[static_cast<std::size_t>(i)]));
+    } catch (const std::exception& failure) {
+      one.error = failure.what();
+    }
+  });
+  return loaded;
 }
 
 }  // namespace planar_bin_picking

@@ -75,8 +75,9 @@ std::string toLine(const PartSummary& summary) {
   std::string text =
       yamlNumber(summary.size_mm.x(), 1) + " x " + yamlNumber(summary.size_mm.y(), 1) + " mm";
   if (!summary.units.empty() && summary.units != "mm") text += " (drawn in " + summary.units + ")";
-  text += ", " + counted(summary.holes, "hole") + ", " + counted(summary.prints, "print") + ", " +
-          symmetryText(summary) + ", " + counted(summary.pick_poses.size(), "pick pose");
+  text += ", " + counted(summary.holes, "hole");
+  if (summary.prints > 0) text += ", " + counted(summary.prints, "print");
+  text += ", " + symmetryText(summary) + ", " + counted(summary.pick_poses.size(), "pick pose");
   for (std::size_t i = 0; i < summary.left_out.size(); ++i) {
     text += (i == 0 ? ", left out: " : ", ") + withinLine(summary.left_out[i]);
   }

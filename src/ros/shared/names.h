@@ -17,6 +17,8 @@ constexpr char kClickedPointTopic[] = "clicked_point";
 constexpr char kLocatePartService[] = "locate_part";
 /// planar_bin_picking/ReportPick: what came of a pick; the next part of the same image
 constexpr char kReportPickService[] = "report_pick";
+/// sensor_msgs/Image: latched: each part as it was read, for rviz
+constexpr char kPartPicturesTopic[] = "part_pictures";
 /// planar_bin_picking/RefinePart: one more look at parts that were located
 constexpr char kRefinePartService[] = "refine_part";
 /// planar_bin_picking/NextView: where the camera should look from next; moves nothing

@@ -23,6 +23,26 @@ bool onMaterial(const PartModel& part, const Eigen::Vector2d& p) {
   return inside;
 }
 
+TEST(PartModel, ManyAreLoadedInTheOrderGiven) {
+  const std::string folder = std::string(PACKAGE_DIR) + "/test/data/parts/";
+  std::vector<std::string> paths;
+  for (int i = 0; i < 5; ++i)
+    for (const char* name : {"sprocket.yaml", "missing.dxf", "block.yaml"})
+      paths.push_back(folder + name);
+  const auto loaded = loadParts(paths);
+  ASSERT_EQ(loaded.size(), paths.size());
+  for (std::size_t i = 0; i < loaded.size(); ++i) {
+    if (i % 3 == 1) {
+      EXPECT_EQ(loaded[i].part, nullptr);
+      EXPECT_NE(loaded[i].error.find("missing.dxf"), std::string::npos) << loaded[i].error;
+    } else {
+      ASSERT_NE(loaded[i].part, nullptr) << loaded[i].error;
+      EXPECT_EQ(loaded[i].part->name(), i % 3 == 0 ? "sprocket" : "block");
+    }
+  }
+  EXPECT_TRUE(loadParts({}).empty());
+}
+
 TEST(PartModel, SamplesAreEvenAlongEachLoop) {
   const auto part = makePart("bracket", bracketPlate());
   const auto& outline = part->outline();

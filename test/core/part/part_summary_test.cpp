@@ -53,7 +53,9 @@ TEST(PartSummary, OfASymmetricPart) {
   // The copies that its symmetry makes were not written by anybody.
   EXPECT_EQ(summary.pick_poses, std::vector<std::string>{"web"});
   EXPECT_NE(toLine(summary).find("6-fold and mirror symmetry"), std::string::npos);
-  EXPECT_EQ(describePart(*makePart("printed", printedPlate())).prints, 1);
+  const PartSummary printed = describePart(*makePart("printed", printedPlate()));
+  EXPECT_EQ(printed.prints, 1);
+  EXPECT_NE(toLine(printed).find("4 holes, 1 print, "), std::string::npos);
   EXPECT_NE(toLine(describePart(*makePart("disk", {circle(0, 0, 30), {}, {}, 0.0}))).find("round"),
             std::string::npos);
 }
@@ -73,14 +75,14 @@ TEST(PartSummary, IsOneYamlMapInOrder) {
 
 TEST(PartSummary, IsOneLineForALog) {
   EXPECT_EQ(toLine(bracketSummary()),
-            "80.0 x 50.0 mm, 2 holes, 0 prints, no symmetry, 1 pick pose, left out: layer DIM (14 "
+            "80.0 x 50.0 mm, 2 holes, no symmetry, 1 pick pose, left out: layer DIM (14 "
             "entities), layer A: b (1 entity)");
   PartSummary inches;
   inches.size_mm = {25.4, 12.7};
   inches.units = "inch";
   inches.mirror_symmetric = true;
   EXPECT_EQ(toLine(inches),
-            "25.4 x 12.7 mm (drawn in inch), 0 holes, 0 prints, mirror symmetry, 0 pick poses");
+            "25.4 x 12.7 mm (drawn in inch), 0 holes, mirror symmetry, 0 pick poses");
 }
 
 TEST(PartSummary, HasPointsInEveryLocale) {

@@ -3,13 +3,13 @@
 #include "locator/parts/part_library.h"
 
 #include "planar_bin_picking/part/part_file.h"
+#include "planar_bin_picking/part/part_model.h"
 #include "shared/refusal.h"
 
 #include <planar_bin_picking/LocatePart.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <stdexcept>
 #include <system_error>
 
@@ -134,6 +134,7 @@ void PartLibrary::load(const PartLibrary* former) {
   const Found found = findParts(folder_);
   errors_ = found.errors;
   owners_ = found.owners;
+  std::vector<std::string> to_read, their_names;
   for (const auto& [name, file] : found.files) {
     Source source{filesNamedBy(file), std::chrono::system_clock::now()};
     stamps_.insert(source.files.begin(), source.files.end());
@@ -144,14 +145,18 @@ void PartLibrary::load(const PartLibrary* former) {
       if (part != former->parts_.end()) parts_[name] = part->second;
       if (error != former->errors_.end()) errors_[name] = error->second;
     } else {
-      try {
-        parts_[name] =
-            std::make_shared<const PartModel>(planar_bin_picking::loadPartFile(file.string()));
-      } catch (const std::exception& failure) {
-        errors_[name] = failure.what();
-      }
+      to_read.push_back(file.string());
+      their_names.push_back(name);
     }
     sources_[name] = std::move(source);
+  }
+  const auto loaded = planar_bin_picking::loadParts(to_read);
+  for (std::size_t i = 0; i < loaded.size(); ++i) {
+    if (loaded[i].part) {
+      parts_[their_names[i]] = loaded[i].part;
+    } else {
+      errors_[their_names[i]] = loaded[i].error;
+    }
   }
 }
 

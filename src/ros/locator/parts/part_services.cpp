@@ -27,7 +27,8 @@ ros::Time toTime(const std::chrono::system_clock::time_point& time) {
 PartServices::PartServices(PartStore& store, ros::NodeHandle nh, ros::NodeHandle prompt_nh)
     : store_(store),
       list_(prompt_nh.advertiseService(kListPartsService, &PartServices::serveList, this)),
-      reload_(nh.advertiseService(kReloadPartsService, &PartServices::serveReload, this)) {}
+      reload_(nh.advertiseService(kReloadPartsService, &PartServices::serveReload, this)),
+      pictures_(store, nh) {}
 
 bool PartServices::serveList(ListParts::Request&, ListParts::Response& response) {
   const auto library = store_.current();

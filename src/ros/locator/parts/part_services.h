@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// ~list_parts and ~reload_parts.
+/// ~list_parts and ~reload_parts, and the parts' pictures.
 
+#include "locator/parts/part_pictures.h"
 #include "locator/parts/part_store.h"
 
 #include <planar_bin_picking/ListParts.h>
@@ -25,6 +26,7 @@ class PartServices {
 
   PartStore& store_;
   ros::ServiceServer list_, reload_;
+  PartPictures pictures_;
 };
 
 }  // namespace planar_bin_picking_ros
