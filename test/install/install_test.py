@@ -34,6 +34,7 @@ COMMANDS = {
     "describe_part": r"\S+/describe_part ",
     "add_part": r"rosrun planar_bin_picking add_part ",
     "robot_server": r"roslaunch planar_bin_picking robot_server\.launch ",
+    "teach": r"roslaunch planar_bin_picking teach\.launch ",
     "cell": r"roslaunch planar_bin_picking cell\.launch ",
     "locate": r"rosservice call /locator/locate_part ",
     "save_region": r"rosservice call /locator/save_region$",
@@ -162,6 +163,7 @@ class Installed(unittest.TestCase):
         cases["bag"] = ["bag:=my.bag"]
         cases["calibrate"] = [f"cell:={self.root}/calibrator.yaml"]
         cases["hand_eye"] = ["file:=hand_eye.yaml"]
+        cases["teach"] = ["part:=bracket"]
         self.assertEqual(set(cases), {path.stem for path in (self.share / "launch").glob("*.launch")})
         launches = [f"{self.share}/launch/{name}.launch {arguments}"
                     for name, more in cases.items() for arguments in more]
@@ -254,6 +256,8 @@ class Installed(unittest.TestCase):
             self.assertIn("names no bin", session.run(command("locate_bin")))
             session.start(self.here(command("robot_server")), "robot_server")
             robot = self.ask_robot_server("locate bracket")
+            session.start(self.here(command("teach")) + " rviz:=false", "teach")
+            session.wait_for("rosservice call /teach/save | grep 'has these pick poses already'", 60)
         self.assertEqual(robot[0], "0", robot)
         self.assertEqual(len(robot), 3 + 6 + 6 + 2)  # numbers, pose, approach, names
         self.assertEqual(answer["status"], 0, answer["message"])

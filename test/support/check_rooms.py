@@ -56,6 +56,7 @@ MAY_INCLUDE = {
     "ros/calibrator": {"ros/shared", "ros/input"},
     "ros/hand_eye": {"ros/shared"},
     "ros/robot_server": {"ros/shared"},
+    "ros/teach": {"ros/shared"},
 }
 # Units that others may include without the rest of their room, as if these were rooms of their own.
 OWN_ROOM = {
