@@ -29,9 +29,11 @@ namespace {
 constexpr double kToolRadius = 0.005, kThickness = 0.0005;
 constexpr double kLine = 0.0005;    // width of a contour
 constexpr double kOverFace = 1e-4;  // so that a contour is not drawn within the face
+constexpr double kOverlap = 1.04;   // of the face's cells, so that no gaps are seen
 // In radii of the part.
 constexpr double kText = 0.06, kAxis = 0.25, kHandle = 0.3;
-constexpr std::size_t kTextWidth = 48;  // letters
+constexpr double kFaultText = 0.045;
+constexpr std::size_t kTextWidth = 48, kFaultWidth = 80;  // letters
 
 std_msgs::ColorRGBA color(const float r, const float g, const float b, const float a = 1.0f) {
   std_msgs::ColorRGBA rgba;
@@ -56,6 +58,8 @@ geometry_msgs::Quaternion xToward(const Eigen::Vector3d& axis) {
   return toPoseMsg(Eigen::Isometry3d(turn)).orientation;
 }
 
+const std_msgs::ColorRGBA kRed = color(1.0f, 0.1f, 0.1f);
+
 Marker makeMarker(const int type, const std_msgs::ColorRGBA& rgba, const Eigen::Vector3d& at,
                   const Eigen::Vector3d& scale) {
   Marker marker;
@@ -76,12 +80,12 @@ Marker makeText(const std::string& text, const std_msgs::ColorRGBA& rgba, const 
 }
 
 /// In lines that stay beside the part.
-std::string wrapped(const std::string& text) {
+std::string wrapped(const std::string& text, const std::size_t width) {
   std::istringstream in(text);
   std::string lines, word;
   std::size_t column = 0;
   while (in >> word) {
-    const bool fits = column + word.size() <= kTextWidth;
+    const bool fits = column + word.size() <= width;
     lines += (lines.empty() ? "" : fits ? " " : "\n") + word;
     column = fits ? column + word.size() + 1 : word.size();
   }
@@ -92,7 +96,7 @@ Marker body(const PartModel& part) {
   const auto& grid = part.faceGrid();
   const double thickness = std::max(kThickness, part.thickness());
   Marker cells = makeMarker(Marker::CUBE_LIST, color(0.45f, 0.47f, 0.5f), Eigen::Vector3d::Zero(),
-                            {grid.cellSize(), grid.cellSize(), thickness});
+                            {kOverlap * grid.cellSize(), kOverlap * grid.cellSize(), thickness});
   for (const Eigen::Vector2d& cell : grid.cells())
     cells.points.push_back(point(cell.x(), cell.y(), -0.5 * thickness));
   return cells;
@@ -162,8 +166,22 @@ InteractiveMarker partMarker(const TaughtPart& taught, const std::string& news) 
   const std::string text = part.name() + ": " + std::to_string(taught.poses().size()) +
                            " pick poses" + (taught.isChanged() ? ", not saved" : "");
   control.markers.push_back(makeText(
-      text + (news.empty() ? "" : "\n" + wrapped(news)), color(1.0f, 1.0f, 1.0f),
+      text + (news.empty() ? "" : "\n" + wrapped(news, kTextWidth)), color(1.0f, 1.0f, 1.0f),
       {box.center().x(), box.max().y() + 0.4 * part.radius(), 0.0}, kText * part.radius()));
+  // Below the part, where no handles are in the way.
+  std::string faults;
+  for (const PickPose& pose : taught.poses()) {
+    const std::string fault = taught.faultOf(pose);
+    if (!fault.empty())
+      faults += (faults.empty() ? "" : "\n") + wrapped(pose.name + ": " + fault, kFaultWidth);
+  }
+  if (!faults.empty()) {
+    const auto lines = static_cast<double>(std::count(faults.begin(), faults.end(), '\n'));
+    const double below = 0.4 + kFaultText * lines;  // a text's middle stands where it is put
+    control.markers.push_back(
+        makeText(faults, kRed, {box.center().x(), box.min().y() - below * part.radius(), 0.0},
+                 kFaultText * part.radius()));
+  }
   made.controls.push_back(control);
   return made;
 }
@@ -188,8 +206,7 @@ InteractiveMarker poseMarker(const TaughtPart& taught, const PickPose& pose) {
       makeMarker(Marker::CYLINDER, clear, {0.0, 0.0, -0.0005}, {2.0 * tool, 2.0 * tool, 0.001}),
       makeMarker(Marker::CUBE, color(1.0f, 1.0f, 1.0f), {0.5 * tool, 0.0, -0.0012},
                  {tool, 0.12 * tool, 0.0006}),
-      makeText(pose.name + (fault.empty() ? "" : "\n" + wrapped(fault)), rgba,
-               {0.0, 0.0, -1.3 * length}, kText * radius)};
+      makeText(pose.name, rgba, {0.0, 0.0, -1.3 * length}, kText * radius)};
   Marker axis = makeMarker(Marker::ARROW, rgba, Eigen::Vector3d::Zero(),
                            {0.06 * length, 0.14 * length, 0.2 * length});
   axis.points = {point(0.0, 0.0, -length), point(0.0, 0.0, 0.0)};
