@@ -49,6 +49,9 @@ COMMANDS = {
     "calibrate_samples": r"rosrun planar_bin_picking calibrate_samples ",
     "draw_board": r"rosrun planar_bin_picking draw_board ",
     "play_scene": r"rosrun planar_bin_picking play_scene\.py ",
+    "tune": r"rosrun dynamic_reconfigure dynparam set /locator/tuning ",
+    "save_parameters": r"rosservice call /locator/save_parameters$",
+    "check_cell": r"rosrun planar_bin_picking check_cell\.py ",
 }
 
 MANIFEST = """<?xml version="1.0"?>
@@ -161,12 +164,15 @@ class Installed(unittest.TestCase):
         cases = {name: [""] for name in ("cell", "demo", "calibrate_demo", "hdr", "robot_server")}
         cases["cycle_demo"] = ["", "hdr:=true nodelet:=false"]
         cases["bag"] = ["bag:=my.bag"]
+        # The page's two cells, with files of their own.
+        for name in ("left", "right"):
+            shutil.copy(self.root / "cell.yaml", self.root / f"{name}.yaml")
         cases["calibrate"] = [f"cell:={self.root}/calibrator.yaml"]
         cases["hand_eye"] = ["file:=hand_eye.yaml"]
         cases["teach"] = ["part:=bracket"]
         self.assertEqual(set(cases), {path.stem for path in (self.share / "launch").glob("*.launch")})
         launches = [f"{self.share}/launch/{name}.launch {arguments}"
-                    for name, more in cases.items() for arguments in more]
+                    for name, more in cases.items() for arguments in more] + [str(self.root / "two_cells.launch")]
         output = subprocess.run(["python3", str(PACKAGE / "test/install/launch_nodes.py"), *launches], check=True,
                                 env=self.environment, capture_output=True, text=True, timeout=120).stdout
         count, *missing = output.strip().splitlines()[-1].split()
@@ -258,7 +264,15 @@ class Installed(unittest.TestCase):
             robot = self.ask_robot_server("locate bracket")
             session.start(self.here(command("teach")) + " rviz:=false", "teach")
             session.wait_for("rosservice call /teach/save | grep 'has these pick poses already'", 60)
+            session.run(command("tune"))
+            saved = session.run(command("save_parameters"))
+            checked = session.run(command("check_cell") + " --count 2 || true", 120)  # two say little about the spread
+            tuned = yaml.safe_load((self.root / "cell.yaml").read_text())
         self.assertEqual(robot[0], "0", robot)
+        self.assertIn("success: True", saved)
+        self.assertEqual(tuned["pick"], {"score_min": 0.75, "max_parts": 3})
+        self.assertIn("the report is check_cell.html", checked)
+        self.assertGreater((self.root / "check_cell.html").stat().st_size, 10000)
         self.assertEqual(len(robot), 3 + 6 + 6 + 2)  # numbers, pose, approach, names
         self.assertEqual(answer["status"], 0, answer["message"])
         self.assertLessEqual(len(answer["parts"]), 3)

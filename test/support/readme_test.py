@@ -64,7 +64,7 @@ class Readme(unittest.TestCase):
                 self.assertIn(heading, self.headings(path), f"{page.name}: {file}#{heading}")
 
     def test_readme_leads_to_every_page(self):
-        links = set(re.findall(r"\]\((doc/[^)#]+)", readme.pages()[PACKAGE / "README.md"]))
+        links = set(re.findall(r"\]\((doc/[^)#]+\.md)", readme.pages()[PACKAGE / "README.md"]))
         self.assertEqual(links, {f"doc/{path.name}" for path in (PACKAGE / "doc").glob("*.md")})
 
     def test_named_paths_exist(self):
