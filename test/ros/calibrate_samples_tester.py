@@ -93,8 +93,14 @@ class CalibrateSamples(InCell):
             self.assertAlmostEqual(a, b, 4)
         self.check_call(heir, "finish", "there are no samples", success=False)
 
+        # With a wanted error that is out of reach: POOR takes no GOOD one's place.
+        self.check_call(self.calibrator, "finish", "POOR: ", "calibrate_kept/poor/report.html")
+        self.assertEqual([read(name)["verdict"] for name in ("hand_eye.yaml", "poor/hand_eye.yaml")], ["GOOD", "POOR"])
+        self.check_call(self.calibrator, "load_samples", f"loaded {count} samples")
+
         self.check_samples_are_left_out_and_added(count)
         self.check_verify()
+        self.check_refused_leaves_nothing_valid()
 
     def check_samples_are_left_out_and_added(self, count):
         answer = self.remove(count + 1)
@@ -142,6 +148,16 @@ class CalibrateSamples(InCell):
         self.assertEqual(contents(), before)
         self.assertGreaterEqual(len(self.cell.targets), asked + 3)  # the tester's own alone
         self.assertEqual(len(self.cell.targets), asked + 3)
+
+    def check_refused_leaves_nothing_valid(self):
+        self.go_to_start()
+        self.assertTrue(os.path.exists(FOLDER + "/hand_eye.yaml"))
+        self.check_call(self.calibrator, "add_sample", "taken; there are 1 samples")
+        self.check_call(self.calibrator, "finish", "REFUSED: too few views", success=False)
+        self.assertEqual(read("calibration.yaml")["verdict"], "REFUSED")
+        for name in ("hand_eye.yaml", "camera_info.yaml", "hand_eye.xacro", "static_transform.launch"):
+            self.assertFalse(os.path.exists(f"{FOLDER}/{name}"), name)
+            self.assertTrue(os.path.exists(f"{FOLDER}/{name}.before"), name)
 
     def launch_hand_eye(self, *arguments):
         """@return  what the launch said once it has ended by itself; None where it publishes the camera's place."""
