@@ -15,7 +15,7 @@ import tf2_ros
 from geometry_msgs.msg import PoseStamped
 from planar_bin_picking.msg import LocatedParts, PartLook, RefusedPart
 from planar_bin_picking.srv import (LocateBin, LocateBinResponse, LocatePart, LocatePartResponse, NextView,
-                                    NextViewResponse, RefinePart, RefinePartResponse)
+                                    NextViewResponse, RefinePart, RefinePartResponse, ReportPick, ReportPickResponse)
 from visualization_msgs.msg import MarkerArray
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's relay of it
@@ -82,6 +82,10 @@ class Views(unittest.TestCase):
         return rospy.ServiceProxy(locator + "/next_view", NextView)(stamp=part.header.stamp,
                                                                     child_frame=part.child_frame)
 
+    def report(self, part, success, locator="locator"):
+        return rospy.ServiceProxy(locator + "/report_pick", ReportPick)(
+            stamp=part.header.stamp, child_frame=part.child_frame, success=success)
+
     def stands(self, frame, expected, seconds=3.0):
         end = time.monotonic() + seconds
         while self.buffer.can_transform("base", frame, rospy.Time(0)) != expected:
@@ -91,7 +95,7 @@ class Views(unittest.TestCase):
         return expected
 
     def test_each_look_adds_up(self):
-        part = self.locate().parts[0]
+        part, other = self.locate().parts
         self.assertEqual(part.views, 1)
         for views in (2, 3):
             proposed = self.next_view(part)
@@ -105,7 +109,7 @@ class Views(unittest.TestCase):
             self.assertEqual(answer.status, RefinePartResponse.OK, answer.message)
             look, before, part = answer.looks[0], part, answer.parts[0]
             self.assertEqual(look.look, PartLook.CONFIRMED, look.text)
-            self.assertEqual(look.child_frame, before.child_frame)
+            self.assertEqual([look.child_frame, part.child_frame], [before.child_frame] * 2)
             self.assertLess(look.moved, 0.003)
             self.assertLess(look.moved_angle, 0.1)
             self.assertGreater(look.seen, 0.7)
@@ -121,7 +125,10 @@ class Views(unittest.TestCase):
         tf = self.buffer.lookup_transform("base", part.child_frame, part.header.stamp, rospy.Duration(3.0))
         self.assertLess(abs(tf.transform.translation.z - part.pose.pose.position.z), 1e-9)
         latest = rospy.wait_for_message("locator/located_parts", LocatedParts, 5.0)
-        self.assertEqual([p.views for p in latest.parts], [3])
+        # The other part stays as it was.
+        self.assertEqual([p.views for p in latest.parts], [3, 1])
+        self.assertEqual(latest.parts[1].header.stamp, other.header.stamp)
+        self.assertTrue(self.stands(other.child_frame, True))
         self.assertEqual(part.picks[0].name, "suction")
 
     def test_several_parts_in_one_look(self):
@@ -146,6 +153,11 @@ class Views(unittest.TestCase):
         self.assertGreater(answer.looks[0].moved, 0.005)
         self.assertLess(off(answer.parts[0]), 0.0008)
         self.assertEqual(self.next_view(answer.parts[0], "misled").status, NextViewResponse.NO_VIEW)
+        # What it replaces is offered no more, and the next in rank is what it was before the look.
+        self.assertEqual(self.report(first.parts[0], False, "misled").status, ReportPickResponse.UNKNOWN_PART)
+        following = self.report(answer.parts[0], False, "misled")
+        self.assertEqual(following.status, ReportPickResponse.NEXT, following.message)
+        self.assertEqual(following.next, first.parts[1])
 
     def test_what_moved_or_went_is_not_offered(self):
         part = self.locate().parts[0]
@@ -160,13 +172,19 @@ class Views(unittest.TestCase):
         self.assertEqual(answer.looks[0].located.views, 1)
         self.assertEqual(answer.parts, [])
         self.assertFalse(self.stands(part.child_frame, False))
-        part = self.locate().parts[0]
+        part, other = self.locate().parts
         self.assertTrue(self.stands(part.child_frame, True))
         self.cell.show(orbit(30), [])
         answer = self.refine(part.header.stamp, part.child_frame)
         self.assertEqual(answer.status, RefinePartResponse.NOT_OFFERED)
         self.assertEqual(answer.looks[0].look, PartLook.CONTRADICTED, answer.message)
         self.assertFalse(self.stands(part.child_frame, False))
+        # Nobody looked at the other one, which can still be picked.
+        self.assertTrue(self.stands(other.child_frame, True))
+        latest = rospy.wait_for_message("locator/located_parts", LocatedParts, 5.0)
+        self.assertEqual([p.child_frame for p in latest.parts], [other.child_frame])
+        self.assertEqual(self.report(part, True).status, ReportPickResponse.UNKNOWN_PART)
+        self.assertEqual(self.report(other, True).status, ReportPickResponse.LOCATE)
 
     def test_what_is_not_seen_stays_as_it_was(self):
         part = self.locate().parts[0]

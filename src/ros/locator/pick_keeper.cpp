@@ -217,6 +217,8 @@ PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const
     const Entry& entry = entries[offer.candidate];
     answer.located.push_back(entry.located);
     answer.located.back().picks.clear();
+    if (answer.former)
+      answer.located.back().child_frame = answer.former->at(entry.detection.part).child_frame;
     for (const std::size_t k : offer.picks)
       answer.located.back().picks.push_back(entry.located.picks[k]);
     answer.result.detections.push_back(entry.detection);
@@ -224,10 +226,14 @@ PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const
   }
   Open open{call.caller, answer.frame.received, {}};
   const std::vector<planar_bin_picking::PartPtr> asked_for = answer.parts;
+  const auto former = answer.former;
   offered.parts = publish(std::move(answer));
   for (std::size_t i = 0; i < offered.parts.size(); ++i)
     open.parts.push_back({offered.parts[i], candidates[plan.offers[i].candidate]});
-  keep(std::move(open), asked_for);
+  if (former)
+    replace(std::move(open), *former);
+  else
+    keep(std::move(open), asked_for);
   return offered;
 }
 
@@ -246,6 +252,25 @@ void PickKeeper::keep(Open answer, const std::vector<planar_bin_picking::PartPtr
   open_.push_front(std::move(answer));
   open_.remove_if([](const Open& open) { return open.parts.empty(); });
   if (open_.size() > kAnswers) open_.pop_back();
+}
+
+void PickKeeper::replace(Open answer, const std::vector<FormerPart>& former) {
+  const auto was = [&former](const Kept& kept) {
+    return std::any_of(former.begin(), former.end(), [&](const FormerPart& part) {
+      return part.child_frame == kept.located.child_frame &&
+             part.stamp == kept.located.header.stamp;
+    });
+  };
+  for (Open& older : open_) {
+    if (older.caller != answer.caller || std::none_of(older.parts.begin(), older.parts.end(), was))
+      continue;
+    older.parts.erase(std::remove_if(older.parts.begin(), older.parts.end(), was),
+                      older.parts.end());
+    // A pick since the older image makes all of it old, which sends the program to locate again.
+    older.parts.insert(older.parts.begin(), answer.parts.begin(), answer.parts.end());
+    answer.parts.clear();
+  }
+  keep(std::move(answer), {});
 }
 
 std::optional<PickKeeper::Found> PickKeeper::find(const std::string& caller,

@@ -85,6 +85,8 @@ class PickKeeper {
   };
 
   void keep(Open answer, const std::vector<planar_bin_picking::PartPtr>& asked_for);
+  /// In place of those parts, in front of what else their answer offers.
+  void replace(Open answer, const std::vector<FormerPart>& former);
   std::optional<Found> find(const std::string& caller,
                             const planar_bin_picking::ReportPick::Request& request);
 

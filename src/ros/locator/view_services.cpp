@@ -79,9 +79,9 @@ void checkTimes(const planar_bin_picking::RefinePart::Request& request) {
 /// What one call has seen.
 struct ViewServices::Looks {
   std::vector<PartLook> looks;
-  std::vector<KeptPart> agreed;                   ///< with the new view
-  std::vector<Detection> detections;              ///< the same in the new camera's frame
-  std::vector<planar_bin_picking::PartPtr> gone;  ///< those that are not where they were
+  std::vector<KeptPart> agreed;       ///< with the new view
+  std::vector<Detection> detections;  ///< the same in the new camera's frame
+  std::vector<KeptPart> gone;         ///< those that are not where they were
 };
 
 ViewServices::ViewServices(const ros::NodeHandle& image_nh, const ros::NodeHandle& call_nh,
@@ -155,7 +155,7 @@ ViewServices::Looks ViewServices::lookAt(std::vector<KeptPart> parts, const Answ
     look.located.header = now.header;
     out.looks.push_back(look);
     if (!agrees(result.status)) {
-      if (result.status != LookStatus::kNotSeen) out.gone.push_back(kept.part);
+      if (result.status != LookStatus::kNotSeen) out.gone.push_back(std::move(kept));
       continue;
     }
     out.detections.push_back(result.detection);
@@ -205,14 +205,17 @@ void ViewServices::refine(const std::string& caller, const RefinePart::Request& 
 void ViewServices::offerRefined(const std::string& caller, Answer answer,
                                 const Eigen::Isometry3d& T_target_camera, Looks seen,
                                 RefinePart::Response* response) {
-  for (std::size_t i = 0; i < seen.agreed.size(); ++i) {
-    seen.detections[i].part = i;  // one entry for each, so that it is known again after sorting
-    answer.parts.push_back(seen.agreed[i].part);
+  answer.former.emplace();
+  // One entry for each, so that it is known again after sorting; what has gone is only withdrawn.
+  for (const auto* parts : {&seen.agreed, &seen.gone}) {
+    for (const KeptPart& kept : *parts) {
+      answer.parts.push_back(kept.part);
+      answer.former->push_back({kept.stamp, kept.child_frame});
+    }
   }
-  answer.result.detections = seen.detections;
-  // What has gone is withdrawn from tf, too.
-  if (answer.parts.empty()) answer.parts = seen.gone;
   if (answer.parts.empty()) return;
+  for (std::size_t i = 0; i < seen.detections.size(); ++i) seen.detections[i].part = i;
+  answer.result.detections = seen.detections;
   if (!seen.agreed.empty()) {
     const View& first = *seen.agreed.front().tracked.views.front();
     answer.first.emplace(
@@ -225,10 +228,12 @@ void ViewServices::offerRefined(const std::string& caller, Answer answer,
   for (std::size_t i = 0; i < offered.parts.size(); ++i) {
     kept.push_back(seen.agreed[offered.detections[i].part]);
     kept.back().child_frame = offered.parts[i].child_frame;
+    kept.back().stamp = header.stamp;
   }
   for (const Detection& detection : offered.needs_view) {
     kept.push_back(seen.agreed[detection.part]);
     kept.back().child_frame.clear();
+    kept.back().stamp = header.stamp;
   }
   keeper_.keep(header, std::move(kept));
   response->parts = std::move(offered.parts);

@@ -214,6 +214,16 @@ TEST(PickKeeper, RemembersAFailureByTheFirstPicture) {
   EXPECT_NEAR(sent.offered.parts[0].pose.pose.position.x, 0.15, 1e-9);
 }
 
+TEST(PickKeeper, ARefinedPartTakesItsOwnPlaceAlone) {
+  PickKeeper keeper{PickParams()};
+  offer(&keeper, answerWith({lying(0, 0), lying(0.15, 0)}, 1.0));
+  Answer refined = answerWith({lying(0, 0)}, 2.0);
+  refined.former = std::vector<FormerPart>{{ros::Time(1.0), "hinge_1"}};
+  offer(&keeper, refined);
+  EXPECT_EQ(report(&keeper, 1.0, "hinge_1", false).status, Response::UNKNOWN_PART);
+  EXPECT_EQ(report(&keeper, 2.0, "hinge_1", false).next.header.stamp, ros::Time(1.0));
+}
+
 TEST(PickKeeper, SeesChangesInTwelveBits) {
   PickKeeper keeper{PickParams()};
   const auto deep = [](Answer answer) {

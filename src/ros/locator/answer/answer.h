@@ -10,11 +10,13 @@
 
 #include <planar_bin_picking/LocatedPart.h>
 #include <planar_bin_picking/RefusedPart.h>
+#include <ros/time.h>
 #include <std_msgs/Header.h>
 
 #include <opencv2/core/mat.hpp>
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace planar_bin_picking_ros {
@@ -24,6 +26,12 @@ struct FirstPicture {
   cv::Mat grey;
   planar_bin_picking::Camera camera;
   Eigen::Isometry3d T_this_now;  ///< from the camera of the answer's own picture
+};
+
+/// A located part as the robot program knows it.
+struct FormerPart {
+  ros::Time stamp;
+  std::string child_frame;  ///< empty where it was not offered
 };
 
 struct Answer {
@@ -43,6 +51,9 @@ struct Answer {
   double tool_radius = 0.0;  ///< metres, where a part's file names no other
   /// Of bin and region, camera frame: they are drawn into the picture.
   std::vector<std::vector<Eigen::Vector3d>> outlines = {};
+  /// Of an answer to RefinePart, one for each of `parts`: what it takes the place of. Whatever else
+  /// was answered before stays as it is.
+  std::optional<std::vector<FormerPart>> former = {};
 };
 
 }  // namespace planar_bin_picking_ros

@@ -15,10 +15,12 @@
 #include <sensor_msgs/image_encodings.h>
 #include <boost/make_shared.hpp>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace planar_bin_picking_ros {
 
+using planar_bin_picking::LocatedPart;
 using planar_bin_picking::LocatedParts;
 
 class AnswerPublisher::Draw : public ros::CallbackInterface {
@@ -58,6 +60,16 @@ planar_bin_picking::OverlayMore overlayMore(const Answer& answer) {
   more.outlines = answer.outlines;
   more.has_legend = true;
   return more;
+}
+
+bool isOneOf(const LocatedPart& located, const std::vector<planar_bin_picking::PartPtr>& parts) {
+  return std::any_of(parts.begin(), parts.end(),
+                     [&](const auto& part) { return part->name() == located.part; });
+}
+
+template <class Test>
+void dropIf(std::vector<LocatedPart>* parts, Test&& test) {
+  parts->erase(std::remove_if(parts->begin(), parts->end(), test), parts->end());
 }
 
 }  // namespace
@@ -121,15 +133,32 @@ void AnswerPublisher::remember() {
 void AnswerPublisher::withdraw(const std::vector<planar_bin_picking::PartPtr>& parts) {
   const std::lock_guard<std::mutex> lock(mutex_);
   frames_.withdraw(namesOf(parts));
+  dropIf(&listed_, [&](const LocatedPart& part) { return isOneOf(part, parts); });
   sendFrames();
 }
 
 void AnswerPublisher::clearMarkers() { markers_.publish(makeMarkers({})); }
 
+void AnswerPublisher::withdrawBefore(const Answer& answer) {
+  if (!answer.former) {
+    frames_.withdraw(namesOf(answer.parts));
+    listed_.clear();
+    listed_kinds_.clear();
+    return;
+  }
+  std::vector<std::string> frames;
+  for (const FormerPart& former : *answer.former)
+    if (!former.child_frame.empty()) frames.push_back(former.child_frame);
+  frames_.withdrawLocated(frames);
+  dropIf(&listed_, [&](const LocatedPart& part) {
+    return std::find(frames.begin(), frames.end(), part.child_frame) != frames.end();
+  });
+}
+
 std::shared_ptr<const Answer> AnswerPublisher::publish(Answer answer) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  withdrawBefore(answer);  // another caller's answer may have come in between, too
   frames_.name(answer.located);
-  frames_.withdraw(namesOf(answer.parts));  // another caller's answer may have come in between
   auto transforms = frames_.show(answer.header, answer.located);
   remember();  // before they are sent: this process may end at any time
   sendFrames(std::move(transforms));
@@ -137,9 +166,12 @@ std::shared_ptr<const Answer> AnswerPublisher::publish(Answer answer) {
   LocatedParts list;
   list.header = answer.header;
   list.parts = answer.located;
+  list.parts.insert(list.parts.end(), listed_.begin(), listed_.end());
+  listed_ = list.parts;
+  listed_kinds_.insert(listed_kinds_.begin(), answer.parts.begin(), answer.parts.end());
   list_.publish(list);
   markers_.publish(makeMarkers(
-      {answer.header, answer.located, answer.refused, answer.parts, answer.tool_radius}));
+      {answer.header, listed_, answer.refused, listed_kinds_, answer.tool_radius}));
 
   latest_ = std::make_shared<const Answer>(std::move(answer));
   pnh_.getCallbackQueue()->addCallback(boost::make_shared<Draw>(this),

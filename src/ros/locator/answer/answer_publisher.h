@@ -40,7 +40,8 @@ class AnswerPublisher {
   /// A call ended without an answer: rviz shall not go on showing the one before.
   void clearMarkers();
 
-  /// Names the answer's frames and publishes it. Safe to call from several threads.
+  /// Names the answer's frames and publishes it, in place of all answers about its parts, or of the
+  /// former parts that it names. Safe to call from several threads.
   std::shared_ptr<const Answer> publish(Answer answer);
 
  private:
@@ -51,6 +52,9 @@ class AnswerPublisher {
 
   /// These and what is due now. Under mutex_.
   void sendFrames(PartFrames::Transforms transforms = {});
+  /// What an answer takes the place of is no longer shown. Under mutex_.
+  void withdrawBefore(const Answer& answer);
+
   /// Keeps the frames' names for the next process of this node. Under mutex_.
   void remember();
 
@@ -63,6 +67,8 @@ class AnswerPublisher {
   std::string remembered_key_;
   std::size_t remembered_ = 0;
   std::shared_ptr<const Answer> latest_;
+  std::vector<planar_bin_picking::LocatedPart> listed_;    ///< the latest list
+  std::vector<planar_bin_picking::PartPtr> listed_kinds_;  ///< what it was taken from
   tf2_ros::TransformBroadcaster tf_;
   ros::Publisher list_, markers_;
 

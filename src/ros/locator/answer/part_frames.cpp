@@ -6,6 +6,7 @@
 #include "shared/names.h"
 
 #include <algorithm>
+#include <set>
 
 namespace planar_bin_picking_ros {
 
@@ -53,8 +54,17 @@ std::string defaultFramePrefix(const std::string& node) {
 }
 
 void PartFrames::name(std::vector<LocatedPart>& located) const {
+  std::set<std::string> taken;
+  for (const LocatedPart& part : located) taken.insert(part.child_frame);
+  for (const auto& [name, sent] : frames_)
+    if (sent.where) taken.insert(name);
   std::map<std::string, std::size_t> ranks;
-  for (LocatedPart& part : located) part.child_frame = frame(part.part, ++ranks[part.part]);
+  for (LocatedPart& part : located) {
+    if (!part.child_frame.empty()) continue;
+    std::size_t& rank = ranks[part.part];
+    do part.child_frame = frame(part.part, ++rank);
+    while (taken.count(part.child_frame) > 0);
+  }
 }
 
 void PartFrames::withdraw(Sent* sent) {
@@ -69,6 +79,13 @@ void PartFrames::withdraw(const std::vector<std::string>& parts) {
 
 void PartFrames::withdrawAll() {
   for (auto& entry : frames_) withdraw(&entry.second);
+}
+
+void PartFrames::withdrawLocated(const std::vector<std::string>& frames) {
+  for (auto& [name, sent] : frames_) {
+    const std::string located = name.substr(0, name.find('/', prefix_.size()));
+    if (std::find(frames.begin(), frames.end(), located) != frames.end()) withdraw(&sent);
+  }
 }
 
 void PartFrames::withdrawFrames(const std::vector<std::string>& frames) {

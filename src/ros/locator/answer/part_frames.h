@@ -32,13 +32,16 @@ class PartFrames {
 
   explicit PartFrames(std::string prefix) : prefix_(std::move(prefix)) {}
 
-  /// Names the frames of an answer, by rank within each part.
+  /// Names the frames of an answer, by rank within each part. Those that have a name keep it, and
+  /// no frame that stands gets a second part.
   void name(std::vector<planar_bin_picking::LocatedPart>& located) const;
 
   /// From now on the frames of these parts are not located.
   /// @param parts  their names
   void withdraw(const std::vector<std::string>& parts);
   void withdrawAll();
+  /// Likewise these frames and those of their pick poses.
+  void withdrawLocated(const std::vector<std::string>& frames);
   /// Frames that a former process has sent.
   void withdrawFrames(const std::vector<std::string>& frames);
 

@@ -37,6 +37,7 @@ void ViewKeeper::keep(const Answer& answer, const std::vector<Detection>& offere
   Kept kept{answer.header, {}, answer.frame, answer.grey};
   const auto add = [&](const Detection& detection, const std::string& child_frame) {
     kept.parts.push_back({child_frame,
+                          answer.header.stamp,
                           answer.parts[detection.part],
                           {detection, {}},
                           T_target_camera,

@@ -20,6 +20,7 @@ namespace planar_bin_picking_ros {
 /// One located part. Its first view is the frame of its pose.
 struct KeptPart {
   std::string child_frame;  ///< empty where it was not offered
+  ros::Time stamp;          ///< of the answer that it stood in
   planar_bin_picking::PartPtr part;
   planar_bin_picking::TrackedPart tracked;
   Eigen::Isometry3d T_target_first = Eigen::Isometry3d::Identity();

@@ -141,6 +141,7 @@ TEST_F(PartFramesTest, NothingLiesBetweenTwoAnswers) {
   for (int i = 0; i < 5; ++i) tick();
   x_ = 0.3;
   auto located = partsOf({"bracket"}, {}, x_);
+  frames_.withdraw({"bracket"});
   frames_.name(located);
   std_msgs::Header header;
   header.frame_id = "base";
@@ -156,6 +157,7 @@ TEST_F(PartFramesTest, NothingLiesBetweenTwoAnswers) {
 TEST_F(PartFramesTest, TwoAnswersToOneImageSendItsStampOnce) {
   answer({"bracket"}, {"bracket"});
   auto located = partsOf({"bracket"}, {}, 0.2);
+  frames_.withdraw({"bracket"});
   frames_.name(located);
   std_msgs::Header header;
   header.frame_id = "base";
@@ -191,6 +193,21 @@ TEST_F(PartFramesTest, OtherPartsStay) {
   answer({"bracket"}, {"bracket"});
   answer({"gasket"}, {});
   EXPECT_TRUE(stands("left_bracket_1"));
+}
+
+/// RefinePart: one that was not offered before gets a name that no other part has.
+TEST_F(PartFramesTest, APartThatWasLookedAtKeepsItsNameAndOthersStand) {
+  answer({"bracket"}, {"bracket", "bracket"}, {"web"});
+  frames_.withdrawLocated({"left_bracket_1"});
+  tick();
+  EXPECT_FALSE(stands("left_bracket_1"));
+  EXPECT_FALSE(stands("left_bracket_1/web"));
+  EXPECT_TRUE(stands("left_bracket_2/web"));
+  auto located = partsOf({"bracket", "bracket"}, {}, 0.2);
+  located[1].child_frame = "left_bracket_1";
+  frames_.name(located);
+  EXPECT_EQ(located[0].child_frame, "left_bracket_3");
+  EXPECT_EQ(located[1].child_frame, "left_bracket_1");
 }
 
 TEST_F(PartFramesTest, WithdrawsAllAtTheEnd) {
