@@ -170,8 +170,8 @@ std::shared_ptr<const Answer> AnswerPublisher::publish(Answer answer) {
   listed_ = list.parts;
   listed_kinds_.insert(listed_kinds_.begin(), answer.parts.begin(), answer.parts.end());
   list_.publish(list);
-  markers_.publish(makeMarkers(
-      {answer.header, listed_, answer.refused, listed_kinds_, answer.tool_radius}));
+  markers_.publish(
+      makeMarkers({answer.header, listed_, answer.refused, listed_kinds_, answer.tool_radius}));
 
   latest_ = std::make_shared<const Answer>(std::move(answer));
   pnh_.getCallbackQueue()->addCallback(boost::make_shared<Draw>(this),
