@@ -207,14 +207,7 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   const SeenRegion region{region_.current(), standing.T_region_camera};
   locate_request.window = windowOf(region, answer.camera, locate_request);
   watch.lap("transform");
-  {
-    // One at a time: a call uses all cores anyway, and two would need twice the memory.
-    const std::lock_guard<std::mutex> lock(locate_mutex_);
-    watch.lap("queue");
-    answer.result = planar_bin_picking::Locator(settings->locator)
-                        .locate(answer.grey, answer.camera, locate_request);
-  }
-  watch.lap(answer.result.report.stages);
+  locate(settings->locator, locate_request, &watch, &answer);
   // What one camera's picture says: this alone can be replayed.
   CallRecord record{answer, locate_request, *settings, library, T_target_camera, request, {}};
   if (views_.lookInSecond(asked, request.timeout, T_target_camera, &answer))
@@ -239,6 +232,15 @@ void LocatorRos::answer(const std::string& caller, const Request& request, Respo
   if (!unsuitable.empty()) response.message += "; not looked for: " + unsuitable;
   record.answered = response;
   snapshots_.note(std::move(record));
+}
+
+void LocatorRos::locate(const planar_bin_picking::LocatorParams& params,
+                        const LocateRequest& request, Stopwatch* watch, Answer* answer) {
+  const std::lock_guard<std::mutex> lock(locate_mutex_);
+  watch->lap("queue");
+  answer->result =
+      planar_bin_picking::Locator(params).locate(answer->grey, answer->camera, request);
+  watch->lap(answer->result.report.stages);
 }
 
 PickKeeper::Offered LocatorRos::offer(Answer answer, const PickKeeper::Frames& frames,

@@ -56,6 +56,9 @@ class LocatorRos {
   /// The steps of a call. @throws Refusal  there is no answer
   void answer(const std::string& caller, const Request& request, Response& response);
 
+  /// One at a time: a call uses all cores anyway, and two would need twice the memory.
+  void locate(const planar_bin_picking::LocatorParams& params,
+              const planar_bin_picking::LocateRequest& request, Stopwatch* watch, Answer* answer);
   PickKeeper::Offered offer(Answer answer, const PickKeeper::Frames& frames,
                             const PickKeeper::Call& call);
   ViewServices::Host viewHost();

@@ -17,7 +17,7 @@ constexpr char kClickedPointTopic[] = "clicked_point";
 constexpr char kLocatePartService[] = "locate_part";
 /// planar_bin_picking/ReportPick: what came of a pick; the next part of the same image
 constexpr char kReportPickService[] = "report_pick";
-/// sensor_msgs/Image: latched: each part as it was read, for rviz
+/// sensor_msgs/Image: below it each part as it was read; drawn for whoever subscribes
 constexpr char kPartPicturesTopic[] = "part_pictures";
 /// planar_bin_picking/RefinePart: one more look at parts that were located
 constexpr char kRefinePartService[] = "refine_part";

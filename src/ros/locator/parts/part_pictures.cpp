@@ -57,17 +57,19 @@ void PartPictures::look() {
   for (auto topic = topics_.begin(); topic != topics_.end();) {
     topic = library->parts().count(topic->first) == 0 ? topics_.erase(topic) : std::next(topic);
   }
-  for (const auto& [name, part] : library->parts()) {
-    Topic& topic = topics_[name];
+  for (const auto& [of_part, part] : library->parts()) {
+    Topic& topic = topics_[of_part];
     if (!topic.publisher) {
       // Not latched by ROS, which would keep a picture of each. Without this object's mutex, since
       // a topic that goes waits for this.
-      const auto draw = [this, name = name](const ros::SingleSubscriberPublisher& subscriber) {
+      const auto draw = [this,
+                         of_part = of_part](const ros::SingleSubscriberPublisher& subscriber) {
         const auto current = store_.current();
-        const auto found = current->parts().find(name);
+        const auto found = current->parts().find(of_part);
         if (found != current->parts().end()) subscriber.publish(pictureOf(*found->second));
       };
-      topic.publisher = nh_.advertise<sensor_msgs::Image>(pictureTopic(name), 1, draw);
+      const std::string name = pictureTopic(of_part);
+      topic.publisher = nh_.advertise<sensor_msgs::Image>(name, 1, draw);
     } else if (topic.part != part && topic.publisher.getNumSubscribers() > 0) {
       topic.publisher.publish(pictureOf(*part));
     }
