@@ -29,7 +29,9 @@
 
 #include <chrono>
 #include <future>
+#include <map>
 #include <memory>
+#include <string>
 #include <thread>
 
 namespace planar_bin_picking_ros {
@@ -224,7 +226,10 @@ TEST_F(Locate, LatchedTopicsShowTheAnswer) {
   EXPECT_EQ(list->parts.size(), response().parts.size());
   const auto markers = latched<visualization_msgs::MarkerArray>("markers");
   ASSERT_TRUE(markers);
-  EXPECT_EQ(markers->markers.size(), 1 + 2 * response().parts.size());  // delete; outline and name
+  std::map<std::string, std::size_t> shown;
+  for (const auto& marker : markers->markers) ++shown[marker.ns];
+  for (const char* what : {"solid", "outline", "name"})
+    EXPECT_EQ(shown[what], response().parts.size()) << what;
   const auto overlay = latched<sensor_msgs::Image>("overlay");
   ASSERT_TRUE(overlay);
   EXPECT_EQ(overlay->encoding, "bgr8");

@@ -50,7 +50,7 @@ class TuningCases:
         self.assertIn(RefusedPart.LOW_SCORE, {part.reason for part in low.refused})
         self.comes_true(lambda: self.shows("deadlocks in a row", "1"))
         tuning.update_configuration({"score_min": 0.0, "score_threshold": 0.999})
-        self.call("op", Status.NO_PART_FOUND, "0.999", part="bracket")
+        self.call("op", Status.NO_PART_FOUND, "nothing scored 1.00", part="bracket")
         tuning.update_configuration({"score_threshold": 0.7})
         kept = self.call("op", Status.OK, part="bracket")
         self.assertLessEqual(len(kept.parts + kept.refused), len(everything.parts + everything.refused))

@@ -45,7 +45,7 @@ class PickKeeper {
     std::string caller;         ///< name of its node
     std::size_t max_parts = 0;  ///< 0 = all
     /// From this call on; nothing: as before.
-    std::optional<planar_bin_picking::PickParams> params;
+    std::optional<planar_bin_picking::PickParams> params = {};
   };
 
   /// Publishes an answer and returns what went out, with its frames' names.

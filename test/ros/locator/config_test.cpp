@@ -78,8 +78,9 @@ TEST(Config, TuningNamesParameters) {
   for (const std::string& name : names) EXPECT_EQ(numbers.count(name), 1u) << name;
   planar_bin_picking::PickParams::fields(
       settings.pick, [&](const std::string& key, const auto& member, auto&&... range) {
-        if (std::is_arithmetic_v<std::decay_t<decltype(member)>> && sizeof...(range) == 2)
+        if (std::is_arithmetic_v<std::decay_t<decltype(member)>> && sizeof...(range) == 2) {
           EXPECT_EQ(names.count(key), 1u) << key << " is missing in config/Tuning.cfg";
+        }
       });
 }
 

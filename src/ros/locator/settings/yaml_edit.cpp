@@ -153,7 +153,8 @@ std::string yamlNumber(const double value) {
 std::string withYamlValues(const std::string& text, const std::map<YamlPath, std::string>& values) {
   const YAML::Node before = parsed(text);
   if (!before.IsNull() && !before.IsMap()) throw std::invalid_argument("is no map at its top");
-  YAML::Node expected = YAML::Clone(before);
+  // A copy of nothing would be a node of its own, which copies of it do not share.
+  YAML::Node expected = before.IsNull() ? YAML::Node(YAML::NodeType::Map) : YAML::Clone(before);
   Lines lines = linesOf(text);
   for (const auto& [path, value] : values) {
     setNode(expected, path, value);
