@@ -101,9 +101,9 @@ TEST(ToolRoom, WallsAndFloorBarIt) {
                              Eigen::AngleAxisd(30.0 * kDegrees, Eigen::Vector3d::UnitY()) *
                              Eigen::AngleAxisd(EIGEN_PI, Eigen::Vector3d::UnitX()));
   };
-  const auto stub = toolBodies({}, {0.0, 0.0, 0.005, -0.01, 0.0});
-  EXPECT_FALSE(touchesBin({stub, leaning(0.185, 0.01), 0.0, 0.0}, bin));
-  EXPECT_TRUE(touchesBin({stub, leaning(0.185, 0.01), 0.02, 0.0}, bin));
+  const auto short_rod = toolBodies({}, {0.0, 0.0, 0.005, -0.01, 0.0});
+  EXPECT_FALSE(touchesBin({short_rod, leaning(0.185, 0.01), 0.0, 0.0}, bin));
+  EXPECT_TRUE(touchesBin({short_rod, leaning(0.185, 0.01), 0.02, 0.0}, bin));
 }
 
 PickCandidate candidateAt(double x) {
