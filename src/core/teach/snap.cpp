@@ -59,7 +59,7 @@ PickPose snappedToCentroid(PickPose pose, const Drawing& drawing) {
 std::optional<PickPose> snappedToHole(PickPose pose, const Drawing& drawing) {
   const Eigen::Vector2d from = pose.T_part_pick.translation().head<2>();
   double nearest = std::numeric_limits<double>::infinity();
-  Eigen::Vector2d middle;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const Loop& loop : drawing.loops) {
     if (loop.kind != LoopKind::kHole) continue;
     const Eigen::Vector2d candidate = centroidOf(loop);
