@@ -8,6 +8,7 @@ from dynamic_reconfigure.client import Client
 from planar_bin_picking.msg import RefusedPart
 from planar_bin_picking.srv import LocatePartResponse as Status
 from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
 
 UP = 60.0  # s, for the node to come up; machines may be busy
 
@@ -26,7 +27,7 @@ class TuningCases:
         return (key, value) in [(pair.key, pair.value) for pair in self.diagnostics("op")["calls"].values]
 
     def test_an_operator_tunes_while_it_runs(self):
-        tuning = self.tuning("max_parts", "score_min", "score_threshold")
+        tuning = self.tuning("max_parts", "score_min", "score_threshold", "bin_max_z")
         start = tuning.get_configuration()
         self.assertEqual((start["score_threshold"], start["failures_max"], start["bin_min_x"], start["refused"]),
                          (0.65, 2, 0.46, ""))
@@ -54,6 +55,11 @@ class TuningCases:
         tuning.update_configuration({"score_threshold": 0.7})
         kept = self.call("op", Status.OK, part="bracket")
         self.assertLessEqual(len(kept.parts + kept.refused), len(everything.parts + everything.refused))
+        rim = start["bin_max_z"] + 0.02
+        tuning.update_configuration({"bin_max_z": rim})
+        self.call("op", Status.OK, part="bracket")
+        shown = [m for m in rospy.wait_for_message("op/scene", MarkerArray, UP).markers if m.ns == "bin"]
+        self.assertAlmostEqual(max(point.z for point in shown[0].points), rim, places=6)
 
     def test_a_change_waits_for_the_next_call(self):
         tuning = self.tuning("max_parts")

@@ -3,6 +3,7 @@
 #include "calibrator/plan_markers.h"
 
 #include "shared/convert.h"
+#include "shared/marker_values.h"
 
 #include <ros/time.h>
 
@@ -20,14 +21,6 @@ using visualization_msgs::Marker;
 namespace {
 
 constexpr double kLong = 0.04;  // metres from a pyramid's tip to its base
-
-geometry_msgs::Point pointAt(const Eigen::Vector3d& x) {
-  geometry_msgs::Point p;
-  p.x = x.x();
-  p.y = x.y();
-  p.z = x.z();
-  return p;
-}
 
 /// The corners of a pyramid's base, its tip at zero and its height along z.
 std::vector<Eigen::Vector3d> flangeCorners() {
@@ -49,11 +42,11 @@ std::vector<Eigen::Vector3d> imageCorners(const planar_bin_picking::Camera::Mode
 void setPyramid(const std::vector<Eigen::Vector3d>& corners, Marker* marker) {
   marker->points.clear();
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const auto at = pointAt(corners[i]);
-    marker->points.push_back(pointAt(Eigen::Vector3d::Zero()));
+    const auto at = toPointMsg(corners[i]);
+    marker->points.push_back(toPointMsg(Eigen::Vector3d::Zero()));
     marker->points.push_back(at);
     marker->points.push_back(at);
-    marker->points.push_back(pointAt(corners[(i + 1) % corners.size()]));
+    marker->points.push_back(toPointMsg(corners[(i + 1) % corners.size()]));
   }
 }
 
@@ -123,7 +116,7 @@ void addWay(const std::string& base_frame, const std::vector<Eigen::Isometry3d>&
   marker.scale.x = 0.003;
   marker.pose.orientation.w = 1.0;
   setColour(1.0F, 1.0F, 1.0F, &marker);
-  for (const Eigen::Isometry3d& pose : way) marker.points.push_back(pointAt(pose.translation()));
+  for (const Eigen::Isometry3d& pose : way) marker.points.push_back(toPointMsg(pose.translation()));
   array->markers.push_back(marker);
   ++marker.id;
   marker.type = Marker::LINE_LIST;

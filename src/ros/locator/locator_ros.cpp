@@ -100,13 +100,13 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       snapshots_(cell_, call_pnh_),
       health_(
           source_, parts_, tuning_, [this](const auto& frame) { cameraOf(frame); }, prompt_pnh_),
-      bin_(binSettings(cell_), binHost(), call_pnh_),
+      bin_(binHost(), call_pnh_),
       views_(image_nh_, call_pnh_, pnh, start_.locator, cell_, viewHost()),
       image_spinner_(1, &image_queue_),
       call_spinner_(kCalls, &call_queue_),
       prompt_spinner_(1, &prompt_queue_) {
   checkOnePlane(cell_, start_.locator.plane);
-  showCell();
+  showCell(cell_);
   ROS_INFO_STREAM(describe(start_));
   service_ = call_pnh_.advertiseService(kLocatePartService, &LocatorRos::serve, this);
   report_service_ =
@@ -250,18 +250,19 @@ PickKeeper::Offered LocatorRos::offer(Answer answer, const PickKeeper::Frames& f
   });
 }
 
-void LocatorRos::showCell() {
-  if (cell_.hasBin()) {
-    scene_.show("bin", binMarkers(cell_.bin_frame, cell_frames_.binFromTold(),
-                                  Eigen::Vector3d(cell_.bin_min.data()),
-                                  Eigen::Vector3d(cell_.bin_max.data())));
+void LocatorRos::showCell(const CellParams& cell) {
+  if (cell.hasBin()) {
+    scene_.show("bin", binMarkers(cell.bin_frame, cell_frames_.binFromTold(),
+                                  Eigen::Vector3d(cell.bin_min.data()),
+                                  Eigen::Vector3d(cell.bin_max.data())));
   }
-  if (!cell_.plane_frame.empty()) scene_.show("plane", planeMarkers(cell_.plane_frame));
+  if (!cell.plane_frame.empty()) scene_.show("plane", planeMarkers(cell.plane_frame));
 }
 
 void LocatorRos::show(const CellParams& cell, const Standing& standing, const SeenRegion& region,
                       const double distance, Answer* answer) {
   addOutlines(cell, standing.T_camera_bin, region, answer);
+  showCell(cell);
   scene_.show("next view", {});  // was of the answer before
   scene_.show("camera",
               cameraMarkers({"camera", answer->header.frame_id, standing.pick.T_target_camera,
@@ -275,17 +276,19 @@ Frame LocatorRos::awaitImage(const ros::Time& not_before, const ros::Duration& t
   return awaitFrame(request);
 }
 
+PictureHost LocatorRos::pictureHost() {
+  return {[this](const auto&... args) { return awaitImage(args...); },
+          [this](const auto& frame) { return cameraOf(frame); },
+          [this](const auto&... args) { return cell_frames_.transform(args...); }, &locate_mutex_};
+}
+
 BinFinder::Host LocatorRos::binHost() {
   const auto use = [this](const Eigen::Isometry3d& T_told_found) {
     cell_frames_.useBin(T_told_found);
-    showCell();
+    showCell(tuning_.current()->cell);
   };
-  return {[this](const auto&... args) { return awaitImage(args...); },
-          [this](const auto& frame) { return cameraOf(frame); },
-          [this](const auto&... args) { return cell_frames_.transform(args...); },
-          use,
-          [this] { return planar_bin_picking::Locator(tuning_.current()->locator); },
-          &locate_mutex_};
+  return {pictureHost(), [this] { return binSettings(tuning_.current()->cell); }, use,
+          [this] { return planar_bin_picking::Locator(tuning_.current()->locator); }};
 }
 
 ViewServices::Host LocatorRos::viewHost() {
@@ -308,12 +311,7 @@ ViewServices::Host LocatorRos::viewHost() {
                                             {},
                                             "next view"}));
   };
-  return {[this](const auto&... args) { return awaitImage(args...); },
-          [this](const auto& frame) { return cameraOf(frame); },
-          [this](const auto&... args) { return cell_frames_.transform(args...); },
-          offer_all,
-          show,
-          &locate_mutex_};
+  return {pictureHost(), offer_all, show};
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {

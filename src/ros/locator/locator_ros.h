@@ -61,13 +61,14 @@ class LocatorRos {
               const planar_bin_picking::LocateRequest& request, Stopwatch* watch, Answer* answer);
   PickKeeper::Offered offer(Answer answer, const PickKeeper::Frames& frames,
                             const PickKeeper::Call& call);
+  PictureHost pictureHost();
   ViewServices::Host viewHost();
   BinFinder::Host binHost();
   Frame awaitImage(const ros::Time& not_before, const ros::Duration& timeout);
   Frame awaitFrame(const Request& request);
   /// As the file says, where there is one, or else as its camera_info. @throws Refusal
   planar_bin_picking::Camera cameraOf(const Frame& frame) const;
-  void showCell();  ///< bin and plane in rviz
+  void showCell(const CellParams& cell);  ///< bin and plane in rviz
   /// Camera, bin and region as a call's picture has them, in rviz and in the overlay.
   /// @param distance  up to which the camera looks, metres
   void show(const CellParams& cell, const Standing& standing, const SeenRegion& region,

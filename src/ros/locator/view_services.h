@@ -6,6 +6,7 @@
 /// more than one picture.
 
 #include "input/image_source.h"
+#include "input/picture_host.h"
 #include "locator/pick_keeper.h"
 #include "locator/settings/cell_params.h"
 #include "locator/views/view_keeper.h"
@@ -28,12 +29,7 @@ namespace planar_bin_picking_ros {
 class ViewServices {
  public:
   /// What it needs of the locator.
-  struct Host {
-    std::function<Frame(const ros::Time& not_before, const ros::Duration& timeout)> await;
-    std::function<planar_bin_picking::Camera(const Frame& frame)> camera_of;
-    std::function<Eigen::Isometry3d(const std::string& target, const std::string& source,
-                                    const ros::Time& stamp)>
-        transform;
+  struct Host : PictureHost {
     /// Takes an answer through the pick policy and publishes what is left.
     std::function<PickKeeper::Offered(Answer answer, const Eigen::Isometry3d& T_target_camera,
                                       const std::string& caller)>
@@ -42,7 +38,6 @@ class ViewServices {
     std::function<void(const Eigen::Isometry3d& T_target_camera,
                        const planar_bin_picking::Camera& camera)>
         show;
-    std::mutex* locate_mutex;
   };
 
   /// @param image_nh  its queue takes in images

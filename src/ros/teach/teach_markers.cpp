@@ -4,6 +4,7 @@
 
 #include "planar_bin_picking/teach/snap.h"
 #include "shared/convert.h"
+#include "shared/marker_values.h"
 
 #include <Eigen/Geometry>
 
@@ -35,30 +36,13 @@ constexpr double kText = 0.06, kAxis = 0.25, kHandle = 0.3;
 constexpr double kFaultText = 0.045;
 constexpr std::size_t kTextWidth = 48, kFaultWidth = 80;  // letters
 
-std_msgs::ColorRGBA color(const float r, const float g, const float b, const float a = 1.0f) {
-  std_msgs::ColorRGBA rgba;
-  rgba.r = r;
-  rgba.g = g;
-  rgba.b = b;
-  rgba.a = a;
-  return rgba;
-}
-
-geometry_msgs::Point point(const double x, const double y, const double z) {
-  geometry_msgs::Point message;
-  message.x = x;
-  message.y = y;
-  message.z = z;
-  return message;
-}
-
 /// What is about x is then about the axis.
 geometry_msgs::Quaternion xToward(const Eigen::Vector3d& axis) {
   const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), axis);
   return toPoseMsg(Eigen::Isometry3d(turn)).orientation;
 }
 
-const std_msgs::ColorRGBA kRed = color(1.0f, 0.1f, 0.1f);
+const std_msgs::ColorRGBA kRed = colorOf(1.0f, 0.1f, 0.1f);
 
 Marker makeMarker(const int type, const std_msgs::ColorRGBA& rgba, const Eigen::Vector3d& at,
                   const Eigen::Vector3d& scale) {
@@ -95,10 +79,10 @@ std::string wrapped(const std::string& text, const std::size_t width) {
 Marker body(const PartModel& part) {
   const auto& grid = part.faceGrid();
   const double thickness = std::max(kThickness, part.thickness());
-  Marker cells = makeMarker(Marker::CUBE_LIST, color(0.45f, 0.47f, 0.5f), Eigen::Vector3d::Zero(),
+  Marker cells = makeMarker(Marker::CUBE_LIST, colorOf(0.45f, 0.47f, 0.5f), Eigen::Vector3d::Zero(),
                             {kOverlap * grid.cellSize(), kOverlap * grid.cellSize(), thickness});
   for (const Eigen::Vector2d& cell : grid.cells())
-    cells.points.push_back(point(cell.x(), cell.y(), -0.5 * thickness));
+    cells.points.push_back(toPointMsg({cell.x(), cell.y(), -0.5 * thickness}));
   return cells;
 }
 
@@ -113,7 +97,7 @@ void addContours(const PartModel& part, const LoopKind kind, const std_msgs::Col
       const double z = part.faceZ(face) + (face == Face::kFront ? kOverFace : -kOverFace);
       for (std::size_t i = 0; i + (loop.closed ? 0 : 1) < loop.points.size(); ++i) {
         for (const auto& p : {loop.points[i], loop.points[(i + 1) % loop.points.size()]})
-          lines.points.push_back(point(p.x(), p.y(), z));
+          lines.points.push_back(toPointMsg({p.x(), p.y(), z}));
       }
     }
   }
@@ -123,9 +107,9 @@ void addContours(const PartModel& part, const LoopKind kind, const std_msgs::Col
 void addAxes(const double length, std::vector<Marker>* markers) {
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d end = length * Eigen::Vector3d::Unit(axis);
-    Marker arrow = makeMarker(Marker::ARROW, color(axis == 0, 0.8f * (axis == 1), axis == 2),
+    Marker arrow = makeMarker(Marker::ARROW, colorOf(axis == 0, 0.8f * (axis == 1), axis == 2),
                               Eigen::Vector3d::Zero(), {0.04 * length, 0.1 * length, 0.2 * length});
-    arrow.points = {point(0.0, 0.0, 0.0), point(end.x(), end.y(), end.z())};
+    arrow.points = {toPointMsg({0.0, 0.0, 0.0}), toPointMsg({end.x(), end.y(), end.z()})};
     markers->push_back(arrow);
   }
 }
@@ -157,16 +141,16 @@ InteractiveMarker partMarker(const TaughtPart& taught, const std::string& news) 
       handle("menu", InteractiveMarkerControl::MENU, Eigen::Vector3d::UnitX());
   control.always_visible = true;
   control.markers = {body(part)};
-  addContours(part, LoopKind::kOuter, color(1.0f, 1.0f, 1.0f), &control.markers);
-  addContours(part, LoopKind::kHole, color(0.3f, 0.8f, 1.0f), &control.markers);
-  addContours(part, LoopKind::kPrint, color(0.2f, 0.4f, 1.0f), &control.markers);
+  addContours(part, LoopKind::kOuter, colorOf(1.0f, 1.0f, 1.0f), &control.markers);
+  addContours(part, LoopKind::kHole, colorOf(0.3f, 0.8f, 1.0f), &control.markers);
+  addContours(part, LoopKind::kPrint, colorOf(0.2f, 0.4f, 1.0f), &control.markers);
   addAxes(kAxis * part.radius(), &control.markers);
   Eigen::AlignedBox2d box;
   for (const auto& p : part.file().drawing.loops.front().points) box.extend(p);
   const std::string text = part.name() + ": " + std::to_string(taught.poses().size()) +
                            " pick poses" + (taught.isChanged() ? ", not saved" : "");
   control.markers.push_back(makeText(
-      text + (news.empty() ? "" : "\n" + wrapped(news, kTextWidth)), color(1.0f, 1.0f, 1.0f),
+      text + (news.empty() ? "" : "\n" + wrapped(news, kTextWidth)), colorOf(1.0f, 1.0f, 1.0f),
       {box.center().x(), box.max().y() + 0.4 * part.radius(), 0.0}, kText * part.radius()));
   // Below the part, where no handles are in the way.
   std::string faults;
@@ -193,9 +177,9 @@ InteractiveMarker poseMarker(const TaughtPart& taught, const PickPose& pose) {
   InteractiveMarker made = marker(pose.name, std::max(2.4 * tool, kHandle * radius));
   made.pose = toPoseMsg(pose.T_part_pick);
   const std::string fault = taught.faultOf(pose);
-  const std_msgs::ColorRGBA rgba = !fault.empty()                  ? color(1.0f, 0.1f, 0.1f)
-                                   : faceFor(pose) == Face::kFront ? color(0.1f, 0.8f, 0.2f)
-                                                                   : color(1.0f, 0.55f, 0.0f);
+  const std_msgs::ColorRGBA rgba = !fault.empty()                  ? colorOf(1.0f, 0.1f, 0.1f)
+                                   : faceFor(pose) == Face::kFront ? colorOf(0.1f, 0.8f, 0.2f)
+                                                                   : colorOf(1.0f, 0.55f, 0.0f);
   // All of it follows the pose: the footprint is what one drags in the tool's plane.
   InteractiveMarkerControl drag =
       handle("move", InteractiveMarkerControl::MOVE_PLANE, Eigen::Vector3d::UnitZ());
@@ -204,12 +188,12 @@ InteractiveMarker poseMarker(const TaughtPart& taught, const PickPose& pose) {
   clear.a = 0.6f;
   drag.markers = {
       makeMarker(Marker::CYLINDER, clear, {0.0, 0.0, -0.0005}, {2.0 * tool, 2.0 * tool, 0.001}),
-      makeMarker(Marker::CUBE, color(1.0f, 1.0f, 1.0f), {0.5 * tool, 0.0, -0.0012},
+      makeMarker(Marker::CUBE, colorOf(1.0f, 1.0f, 1.0f), {0.5 * tool, 0.0, -0.0012},
                  {tool, 0.12 * tool, 0.0006}),
       makeText(pose.name, rgba, {0.0, 0.0, -1.3 * length}, kText * radius)};
   Marker axis = makeMarker(Marker::ARROW, rgba, Eigen::Vector3d::Zero(),
                            {0.06 * length, 0.14 * length, 0.2 * length});
-  axis.points = {point(0.0, 0.0, -length), point(0.0, 0.0, 0.0)};
+  axis.points = {toPointMsg({0.0, 0.0, -length}), toPointMsg({0.0, 0.0, 0.0})};
   drag.markers.push_back(axis);
   made.controls = {
       drag, handle("depth", InteractiveMarkerControl::MOVE_AXIS, Eigen::Vector3d::UnitZ()),

@@ -4,6 +4,7 @@
 
 #include "planar_bin_picking/show/solid.h"
 #include "shared/convert.h"
+#include "shared/marker_values.h"
 
 #include <algorithm>
 #include <cassert>
@@ -24,23 +25,10 @@ namespace {
 
 using Corners = std::vector<geometry_msgs::Point>;
 
-geometry_msgs::Point point(const Eigen::Vector2d& position, const double z) {
-  geometry_msgs::Point message;
-  message.x = position.x();
-  message.y = position.y();
-  message.z = z;
-  return message;
-}
-
 /// The first in rank is green, the last one blue.
 std_msgs::ColorRGBA color(const std::size_t rank, const std::size_t count) {
   const float share = count > 1 ? static_cast<float>(rank) / (count - 1) : 0.0f;
-  std_msgs::ColorRGBA rgba;
-  rgba.r = 0.1f;
-  rgba.g = 1.0f - 0.7f * share;
-  rgba.b = 0.2f + 0.8f * share;
-  rgba.a = 1.0f;
-  return rgba;
+  return colorOf(0.1f, 1.0f - 0.7f * share, 0.2f + 0.8f * share);
 }
 
 /// z of the visible face, or of what lies so far above it.
@@ -59,8 +47,8 @@ Marker makeOutline(Marker marker, const LocatedPart& located, const PartModel& p
   for (const Loop& loop : part.file().drawing.loops) {
     const std::size_t count = loop.points.size();
     for (std::size_t i = 0; i + (loop.closed ? 0 : 1) < count; ++i) {
-      marker.points.push_back(point(loop.points[i], z));
-      marker.points.push_back(point(loop.points[(i + 1) % count], z));
+      for (const std::size_t k : {i, (i + 1) % count})
+        marker.points.push_back(toPointMsg({loop.points[k].x(), loop.points[k].y(), z}));
     }
   }
   return marker;
@@ -93,7 +81,7 @@ Marker makePick(Marker marker, const Eigen::Isometry3d& T_header_pick) {
   constexpr double kLength = 0.04, kShaft = 0.003, kHead = 0.008, kHeadLength = 0.012;  // metres
   marker.type = Marker::ARROW;
   marker.pose = toPoseMsg(T_header_pick);
-  marker.points = {point({0.0, 0.0}, -kLength), point({0.0, 0.0}, 0.0)};
+  marker.points = {toPointMsg({0.0, 0.0, -kLength}), toPointMsg({0.0, 0.0, 0.0})};
   marker.scale.x = kShaft;
   marker.scale.y = kHead;
   marker.scale.z = kHeadLength;
@@ -189,7 +177,7 @@ class Shown {
     Corners& corners = corners_[part.name()];
     if (corners.empty()) {
       for (const Eigen::Vector3d& p : planar_bin_picking::solidTriangles(part))
-        corners.push_back(point(p.head<2>(), p.z()));
+        corners.push_back(toPointMsg(p));
     }
     return corners;
   }

@@ -3,6 +3,7 @@
 #include "locator/answer/scene_markers.h"
 
 #include "shared/convert.h"
+#include "shared/marker_values.h"
 
 #include <cstddef>
 
@@ -14,15 +15,6 @@ using visualization_msgs::Marker;
 namespace {
 
 constexpr double kLine = 0.002, kPoint = 0.012, kSheet = 0.001;  // metres
-
-std_msgs::ColorRGBA colored(const float r, const float g, const float b, const float a = 1.0f) {
-  std_msgs::ColorRGBA color;
-  color.r = r;
-  color.g = g;
-  color.b = b;
-  color.a = a;
-  return color;
-}
 
 Marker make(const std::string& frame, const char* ns, const int type,
             const std_msgs::ColorRGBA& color) {
@@ -37,17 +29,9 @@ Marker make(const std::string& frame, const char* ns, const int type,
   return marker;
 }
 
-geometry_msgs::Point point(const Eigen::Vector3d& p) {
-  geometry_msgs::Point message;
-  message.x = p.x();
-  message.y = p.y();
-  message.z = p.z();
-  return message;
-}
-
 /// A thin box that is clicked on.
 Marker sheet(Marker marker, const Eigen::Vector3d& center, const Eigen::Vector2d& size) {
-  marker.pose.position = point(center);
+  marker.pose.position = toPointMsg(center);
   marker.scale.x = size.x();
   marker.scale.y = size.y();
   marker.scale.z = kSheet;
@@ -56,8 +40,8 @@ Marker sheet(Marker marker, const Eigen::Vector3d& center, const Eigen::Vector2d
 
 void addRing(const std::vector<Eigen::Vector3d>& corners, Marker* marker) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    marker->points.push_back(point(corners[i]));
-    marker->points.push_back(point(corners[(i + 1) % corners.size()]));
+    marker->points.push_back(toPointMsg(corners[i]));
+    marker->points.push_back(toPointMsg(corners[(i + 1) % corners.size()]));
   }
 }
 
@@ -71,7 +55,7 @@ std::vector<Eigen::Vector3d> atHeight(const RegionOutline& outline, const double
 
 Markers binMarkers(const std::string& frame, const Eigen::Isometry3d& T_frame_bin,
                    const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
-  Marker edges = make(frame, "bin", Marker::LINE_LIST, colored(0.9f, 0.8f, 0.3f));
+  Marker edges = make(frame, "bin", Marker::LINE_LIST, colorOf(0.9f, 0.8f, 0.3f));
   std::vector<Eigen::Vector3d> low, high;
   for (const auto& [x, y] :
        {std::pair{min.x(), min.y()}, {max.x(), min.y()}, {max.x(), max.y()}, {min.x(), max.y()}}) {
@@ -81,12 +65,12 @@ Markers binMarkers(const std::string& frame, const Eigen::Isometry3d& T_frame_bi
   addRing(low, &edges);
   addRing(high, &edges);
   for (std::size_t i = 0; i < low.size(); ++i) {
-    edges.points.push_back(point(low[i]));
-    edges.points.push_back(point(high[i]));
+    edges.points.push_back(toPointMsg(low[i]));
+    edges.points.push_back(toPointMsg(high[i]));
   }
   const Eigen::Vector3d middle = 0.5 * (min + max), size = max - min;
   edges.pose = toPoseMsg(T_frame_bin);
-  Marker floor = sheet(make(frame, "bin_floor", Marker::CUBE, colored(0.45f, 0.42f, 0.3f)),
+  Marker floor = sheet(make(frame, "bin_floor", Marker::CUBE, colorOf(0.45f, 0.42f, 0.3f)),
                        Eigen::Vector3d::Zero(), size.head<2>());
   floor.pose =
       toPoseMsg(T_frame_bin * Eigen::Translation3d(middle.x(), middle.y(), min.z() - 0.5 * kSheet));
@@ -98,15 +82,15 @@ Markers regionMarkers(const std::string& frame, const RegionOutline& region,
   constexpr double kAbove = 0.002;  // metres; not hidden by what it lies on
   Markers markers;
   if (!region.empty()) {
-    markers.push_back(make(frame, "region", Marker::LINE_LIST, colored(0.3f, 0.9f, 1.0f)));
+    markers.push_back(make(frame, "region", Marker::LINE_LIST, colorOf(0.3f, 0.9f, 1.0f)));
     addRing(atHeight(region, kAbove), &markers.back());
   }
   if (points.empty()) return markers;
-  const auto color = good ? colored(1.0f, 1.0f, 0.2f) : colored(1.0f, 0.2f, 0.2f);
+  const auto color = good ? colorOf(1.0f, 1.0f, 0.2f) : colorOf(1.0f, 0.2f, 0.2f);
   Marker corners = make(frame, "region_points", Marker::SPHERE_LIST, color);
   corners.scale.x = corners.scale.y = corners.scale.z = kPoint;
   Marker lines = make(frame, "region_taught", Marker::LINE_LIST, color);
-  for (const Eigen::Vector3d& p : atHeight(points, kAbove)) corners.points.push_back(point(p));
+  for (const Eigen::Vector3d& p : atHeight(points, kAbove)) corners.points.push_back(toPointMsg(p));
   addRing(atHeight(points, kAbove), &lines);
   markers.push_back(corners);
   markers.push_back(lines);
@@ -124,21 +108,21 @@ Markers cameraMarkers(const ShownCamera& shown) {
   const double right = model.width - 1.0, below = model.height - 1.0;
   for (const auto& [u, v] : {std::pair{0.0, 0.0}, {right, 0.0}, {right, below}, {0.0, below}})
     corners.push_back(seen({u, v}));
-  Marker frustum = make(shown.frame, shown.ns, Marker::LINE_LIST, colored(0.7f, 0.7f, 0.9f, 0.6f));
+  Marker frustum = make(shown.frame, shown.ns, Marker::LINE_LIST, colorOf(0.7f, 0.7f, 0.9f, 0.6f));
   frustum.scale.x = 0.5 * kLine;
   frustum.pose = toPoseMsg(shown.T_frame_camera);
   addRing(corners, &frustum);
   for (const Eigen::Vector3d& corner : corners) {
-    frustum.points.push_back(point(Eigen::Vector3d::Zero()));
-    frustum.points.push_back(point(corner));
+    frustum.points.push_back(toPointMsg(Eigen::Vector3d::Zero()));
+    frustum.points.push_back(toPointMsg(corner));
   }
-  Marker body = make(shown.frame, shown.ns, Marker::CUBE, colored(0.2f, 0.2f, 0.3f));
+  Marker body = make(shown.frame, shown.ns, Marker::CUBE, colorOf(0.2f, 0.2f, 0.3f));
   body.id = 1;
   body.pose = toPoseMsg(shown.T_frame_camera * Eigen::Translation3d(0.0, 0.0, -0.5 * kBody));
   body.scale.x = body.scale.y = body.scale.z = kBody;
   Markers markers{frustum, body};
   if (!shown.region.empty()) {
-    Marker region = make(shown.frame, "region_px", Marker::LINE_LIST, colored(0.3f, 0.9f, 1.0f));
+    Marker region = make(shown.frame, "region_px", Marker::LINE_LIST, colorOf(0.3f, 0.9f, 1.0f));
     region.pose = frustum.pose;
     std::vector<Eigen::Vector3d> ring;
     for (const Eigen::Vector2d& pixel : shown.region) ring.push_back(seen(pixel));
@@ -146,7 +130,7 @@ Markers cameraMarkers(const ShownCamera& shown) {
     markers.push_back(region);
   }
   if (!shown.text.empty()) {
-    Marker text = make(shown.frame, shown.ns, Marker::TEXT_VIEW_FACING, colored(1, 1, 1));
+    Marker text = make(shown.frame, shown.ns, Marker::TEXT_VIEW_FACING, colorOf(1, 1, 1));
     text.id = 2;
     text.pose = frustum.pose;
     text.scale.z = kBody;
@@ -158,7 +142,7 @@ Markers cameraMarkers(const ShownCamera& shown) {
 
 Markers planeMarkers(const std::string& frame) {
   constexpr double kSide = 1.0;  // metres
-  return {sheet(make(frame, "plane", Marker::CUBE, colored(0.3f, 0.5f, 0.4f, 0.4f)),
+  return {sheet(make(frame, "plane", Marker::CUBE, colorOf(0.3f, 0.5f, 0.4f, 0.4f)),
                 {0.0, 0.0, -0.5 * kSheet}, {kSide, kSide})};
 }
 

@@ -36,8 +36,7 @@ std::string describe(const FoundBin& found) {
 
 }  // namespace
 
-BinFinder::BinFinder(Settings settings, Host host, const ros::NodeHandle& call_pnh)
-    : settings_(std::move(settings)), host_(std::move(host)) {
+BinFinder::BinFinder(Host host, const ros::NodeHandle& call_pnh) : host_(std::move(host)) {
   ros::NodeHandle pnh(call_pnh);
   constexpr bool kLatch = true;
   topic_ = pnh.advertise<geometry_msgs::PoseStamped>(kBinTopic, 1, kLatch);
@@ -59,10 +58,10 @@ bool BinFinder::serve(Request& request, Response& response) {
   return true;  // the call itself worked, whatever its status
 }
 
-std::optional<FoundBin> BinFinder::find(const Frame& frame) {
+std::optional<FoundBin> BinFinder::find(const Frame& frame, const Settings& settings) {
   const std_msgs::Header& image = frame.image->header;
-  BinSearch search = settings_.search;
-  search.told.T_camera_bin = host_.transform(image.frame_id, settings_.bin_frame, image.stamp);
+  BinSearch search = settings.search;
+  search.told.T_camera_bin = host_.transform(image.frame_id, settings.bin_frame, image.stamp);
   const planar_bin_picking::Camera camera = host_.camera_of(frame);
   const std::lock_guard<std::mutex> lock(*host_.locate_mutex);
   try {
@@ -75,7 +74,8 @@ std::optional<FoundBin> BinFinder::find(const Frame& frame) {
 }
 
 void BinFinder::answer(const Request& request, Response* response) {
-  if (settings_.bin_frame.empty() || settings_.search.wall <= 0.0)
+  const Settings settings = host_.settings();
+  if (settings.bin_frame.empty() || settings.search.wall <= 0.0)
     throw Refusal(Response::NOT_SET,
                   "the cell names no bin with a rim: set ~cell/bin_frame, bin_min, bin_max and "
                   "bin_wall");
@@ -92,16 +92,16 @@ void BinFinder::answer(const Request& request, Response* response) {
   }
   const Frame frame = host_.await(request.not_before, request.timeout);
   const std_msgs::Header& image = frame.image->header;
-  const auto found = find(frame);
+  const auto found = find(frame, settings);
   if (!found)
     throw Refusal(Response::NOT_FOUND,
                   "no rim is seen: the whole rim has to be in the picture, and its size has to be "
                   "that of ~cell/bin_min, bin_max and bin_wall");
   response->bin.header.stamp = image.stamp;
   response->bin.header.frame_id =
-      settings_.target_frame.empty() ? image.frame_id : settings_.target_frame;
+      settings.target_frame.empty() ? image.frame_id : settings.target_frame;
   response->bin.pose =
-      toPoseMsg(host_.transform(response->bin.header.frame_id, settings_.bin_frame, image.stamp) *
+      toPoseMsg(host_.transform(response->bin.header.frame_id, settings.bin_frame, image.stamp) *
                 found->T_told_found);
   response->moved = found->moved;
   response->turned = found->turned_deg * kDegrees;

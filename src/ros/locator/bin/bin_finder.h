@@ -6,6 +6,7 @@
 /// then on in force if the caller wants it.
 
 #include "input/image_inbox.h"
+#include "input/picture_host.h"
 #include "planar_bin_picking/bin/bin_pose.h"
 #include "planar_bin_picking/image/camera.h"
 #include "planar_bin_picking/locate/locator.h"
@@ -30,21 +31,16 @@ class BinFinder {
     planar_bin_picking::BinSearch search;  ///< but for T_camera_bin
   };
   /// What it needs of the locator.
-  struct Host {
-    std::function<Frame(const ros::Time& not_before, const ros::Duration& timeout)> await;
-    std::function<planar_bin_picking::Camera(const Frame& frame)> camera_of;
-    std::function<Eigen::Isometry3d(const std::string& target, const std::string& source,
-                                    const ros::Time& stamp)>
-        transform;
+  struct Host : PictureHost {
+    std::function<Settings()> settings;  ///< as they are now
     /// From now on the bin stands so from where the file has it.
     std::function<void(const Eigen::Isometry3d& T_told_found)> use;
     /// With its parameters as they are now.
     std::function<planar_bin_picking::Locator()> locator;
-    std::mutex* locate_mutex;
   };
 
   /// @param call_pnh  its queue serves calls
-  BinFinder(Settings settings, Host host, const ros::NodeHandle& call_pnh);
+  BinFinder(Host host, const ros::NodeHandle& call_pnh);
   void close() { service_.shutdown(); }
 
  private:
@@ -53,9 +49,8 @@ class BinFinder {
 
   bool serve(Request& request, Response& response);
   void answer(const Request& request, Response* response);
-  std::optional<planar_bin_picking::FoundBin> find(const Frame& frame);
+  std::optional<planar_bin_picking::FoundBin> find(const Frame& frame, const Settings& settings);
 
-  const Settings settings_;
   const Host host_;
   ros::Publisher topic_;
   ros::ServiceServer service_;
