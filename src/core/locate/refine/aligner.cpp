@@ -43,6 +43,11 @@ constexpr std::array<std::array<double, 3>, 8> kSearch = {{{0.03, 0, 0},
                                                            {0, 0, -0.12},
                                                            {-0.06, 0, 0}}};
 
+/// Starts along the slides of an outline, for each of its turns; and the reach from there, a share
+/// of that at first: the slides leave a step.
+constexpr std::size_t kSlideStarts = 4;
+constexpr double kSlideReach = 0.3;
+
 }  // namespace
 
 Aligner::Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams& params,
@@ -59,7 +64,8 @@ Aligner::Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams&
                          grainOf(*part),
                          shapePoints(params.field_points),
                          localPoints(*part, params.image_points, is_print),
-                         {face, face}});
+                         {face, face},
+                         Slides(shapePoints(params.image_points))});
   }
 }
 
@@ -71,14 +77,37 @@ PoseHypothesis Aligner::alignToField(const Candidate& candidate) const {
   const Field& field = edges_.fieldOf(candidate.part);
   const double reach_px =
       params_.field_reach_radii * field.focal * radius / T_start.translation().z();
-  const Eigen::Isometry3d T =
-      alignInField(field, outline.field, radius, T_start, reach_px, params_);
-  PoseHypothesis out;
-  out.part = candidate.part;
-  out.face = candidate.face;
-  out.T_camera_part = T * T_part_centre.inverse();
-  out.inlier_score = fieldInlierScore(field, outline.field, radius, T,
-                                      kFieldInlierReach * params_.field_reach_end_px);
+  const auto from = [&](const Eigen::Isometry3d& T_from, double reach) {
+    PoseHypothesis out;
+    out.part = candidate.part;
+    out.face = candidate.face;
+    const Eigen::Isometry3d T = alignInField(field, outline.field, radius, T_from, reach, params_);
+    out.T_camera_part = T * T_part_centre.inverse();
+    out.inlier_score = fieldInlierScore(field, outline.field, radius, T,
+                                        kFieldInlierReach * params_.field_reach_end_px);
+    return out;
+  };
+  PoseHypothesis best = from(T_start, reach_px);
+  for (const Eigen::Isometry3d& T : slidesOf(best)) {
+    const PoseHypothesis other = from(T, kSlideReach * reach_px);
+    if (other.inlier_score > best.inlier_score) best = other;
+  }
+  return best;
+}
+
+std::vector<Eigen::Isometry3d> Aligner::slidesOf(const PoseHypothesis& pose) const {
+  const PartOutline& outline = outlineOf(pose);
+  if (outline.slides.empty()) return {};
+  std::vector<Eigen::Isometry3d> turned{pose.T_camera_part};
+  for (const auto& other : outline.part->nearSymmetries())
+    if (!other.flips && !other.exact) turned.push_back(pose.T_camera_part * other.T_part_turned);
+  std::vector<Eigen::Isometry3d> out;
+  for (const Eigen::Isometry3d& T_camera_part : turned) {
+    const auto peaks =
+        outline.slides.peaks(edges_.fieldOf(pose.part), outline.part->radius(),
+                             T_camera_part * centreOf(*outline.part, pose.face), kSlideStarts);
+    out.insert(out.end(), peaks.begin(), peaks.end());
+  }
   return out;
 }
 

@@ -16,7 +16,8 @@ class Aligner {
   Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams& params,
           const std::vector<std::shared_ptr<const PartModel>>& parts);
 
-  /// Coarse refinement in the distance field.
+  /// Coarse refinement in the distance field. Where most of an outline stays on itself as it moves
+  /// (slides.h), the best of such places.
   PoseHypothesis alignToField(const Candidate& candidate) const;
   /// In the image, from what the field leaves (a small share of the part's size) to within the
   /// narrow reach.
@@ -43,6 +44,8 @@ class Aligner {
 
  private:
   int wideReach(const PoseHypothesis& pose) const;
+  /// Starts along the slides of the outline and of its near-symmetries, T_camera_centre.
+  std::vector<Eigen::Isometry3d> slidesOf(const PoseHypothesis& pose) const;
   template <std::size_t N>
   void align(const std::vector<LocalPoint>& points, const SearchProfile& profile,
              const std::array<double, N>& tukey_px, PoseHypothesis* pose) const;

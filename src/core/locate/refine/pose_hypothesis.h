@@ -5,6 +5,7 @@
 /// What passes between the steps of stage 3.
 
 #include "locate/refine/image_alignment.h"
+#include "locate/refine/slides.h"
 #include "part/outline_view.h"
 #include "planar_bin_picking/part/part_model.h"
 
@@ -38,6 +39,7 @@ struct PartOutline {
   double grain = 0.0;  ///< see grainOf
   std::vector<LocalPoint> field, print;
   std::array<FaceOutline, 2> faces;  ///< by Face
+  Slides slides;
 
   const FaceOutline& of(Face face) const { return faces[static_cast<int>(face)]; }
   FaceOutline& of(Face face) { return faces[static_cast<int>(face)]; }
