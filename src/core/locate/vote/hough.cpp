@@ -73,11 +73,14 @@ int stepsOver(double span, double step) {
 }
 
 /// By how much cells and yaw steps are finer than those along the part's radius: where edges lie
-/// near to one another (narrow webs, perforated plates), the next edge would confirm each vote.
+/// near to one another (narrow webs, perforated plates, teeth), the next edge would confirm each
+/// vote.
 double finerBy(const PartModel& part, const HoughParams& params) {
   constexpr double kAcross = 3.5;  // cells from one edge to the next; most parts have as many
   constexpr double kMost = 3.0;    // the search takes the third power as long
-  return std::clamp(kAcross * part.radius() / meanWidthOf(part) / params.radius_cells, 1.0, kMost);
+  const double turn = 2.0 * M_PI / std::max(1, part.nearOrder());  // of a gear half a tooth
+  const double apart = std::min(meanWidthOf(part), turn * part.radius());
+  return std::clamp(kAcross * part.radius() / apart / params.radius_cells, 1.0, kMost);
 }
 
 /// The views of a search before they are made: every face, distance, shape and yaw.

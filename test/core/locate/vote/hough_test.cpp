@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace planar_bin_picking {
 namespace {
 
@@ -57,6 +59,22 @@ TEST(Hough, TiltedPartsAreAmongTheCandidates) {
       const auto candidates = candidatesOf(edgesOf(sceneOf(bracketPlate(), lie)), *part);
       EXPECT_LT(nearest(candidates, *part, sim::poseOf(lie)), kWithin) << axis << " " << front;
     }
+  }
+}
+
+/// Cells of a fourteenth of a radius are half a tooth of such a wheel.
+TEST(Hough, TeethAreToldFromGaps) {
+  constexpr int kTeeth = 44;
+  const sim::Plate plate = wheelPlate(kTeeth, false);
+  const auto part = makePart("wheel", plate);
+  for (const double yaw : {0.0, 2.5, 5.0}) {
+    const sim::Lie lie{30, -20, 585, yaw};
+    const auto candidates = candidatesOf(edgesOf(sceneOf(plate, lie)), *part);
+    ASSERT_FALSE(candidates.empty());
+    const Eigen::Isometry3d off = sim::poseOf(lie).inverse() * candidates[0].T_camera_part;
+    const double teeth = std::atan2(off(1, 0), off(0, 0)) * kTeeth / (2.0 * M_PI);
+    EXPECT_NEAR(teeth, std::round(teeth), 0.3) << yaw;
+    EXPECT_LT(1e3 * off.translation().head<2>().norm(), 2.0) << yaw;
   }
 }
 
