@@ -28,10 +28,11 @@ constexpr double kGainLeast = 1e-4;  // of the cost per point: a smaller gain en
 constexpr int kClusters = 24;
 constexpr int kUnknowns = 6;  // of a pose
 /// What residuals cannot tell: light, bevel and shadow move the edges of a whole side alike, by
-/// about this much (with it the errors of the scenes fit their covariances, test/benchmark). Most
-/// of it is what makes the edge offset, and no error of it.
+/// about this much, and light from one side moves opposite edges the same way, which shifts the
+/// pose (with both the errors of the scenes fit their covariances, test/benchmark). Most of the
+/// first is what makes the edge offset, and no error of it.
 constexpr int kSides = 8;  // pieces of the outline that err alike
-constexpr double kBiasPx = 0.3, kOffsetBiasPx = 0.1;
+constexpr double kBiasPx = 0.22, kLightPx = 0.14, kOffsetBiasPx = 0.1;
 /// What is known without any edge, that the pose is within a radius and a radian, as so many edges
 /// with an error of a pixel.
 constexpr double kPrior = 1.0;
@@ -89,6 +90,17 @@ Matrix6d covarianceOf(const std::vector<Row>& rows, const Vector6d& xi, double t
   // Six unknowns follow the clusters; of six or fewer nothing is left to tell the error by.
   const double left = std::max(1, clusters - kUnknowns);
   return H_inverse * squares * H_inverse * (std::max(kUnknowns + 1, clusters) / left);
+}
+
+/// Variance of a shift across the line of sight by kLightPx; none where no edge tells of a shift.
+Eigen::Matrix3d lightVariance(const std::vector<Row>& rows, const Eigen::Isometry3d& T) {
+  double px_per_radius = 0.0;
+  for (const auto& row : rows)
+    px_per_radius += row.J.head<3>().norm() / static_cast<double>(rows.size());
+  if (px_per_radius <= 0.0) return Eigen::Matrix3d::Zero();
+  const Eigen::Vector3d sight = T.linear().transpose() * T.translation().normalized();
+  return std::pow(kLightPx / px_per_radius, 2) *
+         (Eigen::Matrix3d::Identity() - sight * sight.transpose());
 }
 
 /// Pose and edge offset together, by the final weights.
@@ -176,6 +188,7 @@ ImagePose imagePoseAt(const std::vector<Row>& rows, const Vector6d& xi, double t
   const Matrix6d H = system.H + kPrior * Matrix6d::Identity();
   const Eigen::LDLT<Matrix6d> solver(H);
   out.covariance = covarianceOf(rows, xi, tukey_px, system.H, solver.solve(Matrix6d::Identity()));
+  out.covariance.topLeftCorner<3, 3>() += lightVariance(rows, out.T_camera_centre);
   tellOffset(rows, xi, tukey_px, solver, system.b, &out);
   return out;
 }
