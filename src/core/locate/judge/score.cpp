@@ -74,6 +74,16 @@ void addPieces(const PartModel& part, const std::vector<LocalPoint>& points, dou
   }
 }
 
+/// How much a point of outer contour or hole counts, 0..1. The two rims of a narrow hole lie within
+/// one edge filter and hide each other, so that whether they are found tells little.
+double weightOf(const Groups& group, int loop, double px_per_metre) {
+  constexpr double kNone = 3.0, kAll = 10.0;  // pixels: below the filter's width, beyond its reach
+  const auto hole = std::find_if(group.holes.begin(), group.holes.end(),
+                                 [loop](const Hole& h) { return h.loop == loop; });
+  if (hole == group.holes.end()) return 1.0;
+  return std::clamp((px_per_metre * hole->width - kNone) / (kAll - kNone), 0.0, 1.0);
+}
+
 /// What is in view of the print; nothing where that is too little to judge by.
 std::vector<LocalPoint> uncovered(const PartModel& part, Face face, const Groups& group,
                                   const std::vector<int>& covered) {
@@ -168,17 +178,22 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
     static_cast<RefinedPose&>(out[i]) = r;
     const Eigen::Isometry3d T = r.T_camera_part * centreOf(part, r.face);
     const Groups& group = groups[r.part];
-    double sum = 0.0;
-    int count = 0;
+    const double px_per_metre =
+        camera.model().fx / T.translation().z() * std::abs(T.linear()(2, 2));
+    double sum = 0.0, weights = 0.0;
     std::vector<OutlinePiece> pieces;
     for (const auto kind : {LoopKind::kOuter, LoopKind::kHole}) {
       auto points = group.points[static_cast<int>(kind)];
       if (points.empty()) continue;
-      ++count;
       moveInward(r.edge_offset / part.radius(), &points);
       std::vector<EdgeHit> hits;
       findHits(edges, camera, points, solidOf(part, r.face), T, kReach, &hits);
-      sum += inlierScore(hits, params.reach_px);
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        const double weight = weightOf(group, part.outline()[points[k].index].loop, px_per_metre) /
+                              static_cast<double>(points.size());
+        sum += weight * inlierScore(hits[k], params.reach_px);
+        weights += weight;
+      }
       addPieces(part, points, group.length[static_cast<int>(kind)], hits, params.visible_reach_px,
                 &pieces);
     }
@@ -191,9 +206,9 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
     if (!print.empty()) {
       out[i].print = printScore(edges, camera, print, part.radius(), T);
       sum += out[i].print;
-      ++count;
+      weights += 1.0;
     }
-    out[i].score = sum / count;
+    out[i].score = sum / weights;
     // Time: below the threshold a pose is not returned anyway.
     if (out[i].score < params.threshold) return;
     out[i].score *= 1.0 - provenWrong(part, group.holes, edges, camera, r, pieces);

@@ -6,8 +6,9 @@
 /// covers (src/core/locate/judge/occlusion.h).
 ///
 /// The score is the mean inlier score (Eq. 12 of [1], noise excluded, less with distance) of outer
-/// contour, holes and print, each counting the same. Differs from [1] Sec. III-D, which averages
-/// over all points: holes are short but hardly ever matched by chance (measured in test/benchmark).
+/// contour, holes and print, each counting the same, holes by what the picture resolves of them.
+/// Differs from [1] Sec. III-D, which averages over all points: holes are short but hardly ever
+/// matched by chance (measured in test/benchmark).
 /// Of the print only what is in view counts. Evidence against a pose lowers the score, however well
 /// the rest fits: a resolved hole that is clearly seen elsewhere or of another size
 /// (hole_evidence.h), by a tenth a hole too many, and by half their share of the face in view edges

@@ -71,6 +71,21 @@ TEST(Score, AMissingHoleCostsMoreThanItsLength) {
   EXPECT_LT(scored(sceneOf(solid, kLie), part, sim::poseOf(kLie)).score, 0.6);
 }
 
+/// 600 mm off, 2.83 pixels to the millimetre.
+TEST(Score, AHoleCountsByWhatThePictureResolvesOfIt) {
+  const auto withoutHoles = [](double radius_mm) {
+    sim::Plate plate = bracketPlate();
+    plate.holes = {circle(-18, 6, radius_mm, true), circle(32, -19, radius_mm, true)};
+    const auto part = makePart("bracket", plate);
+    plate.holes.clear();
+    return scored(sceneOf(plate, kLie), part, sim::poseOf(kLie)).score;
+  };
+  EXPECT_GT(withoutHoles(0.5), 0.85);  // 2.8 pixels across: nothing can be seen of it
+  EXPECT_GT(withoutHoles(1.0), 0.62);  // 5.7 pixels: 0.38 as much as one that is clearly seen
+  EXPECT_LT(withoutHoles(1.0), 0.76);
+  EXPECT_LT(withoutHoles(2.0), 0.53);  // 11.3 pixels
+}
+
 TEST(Score, AHoleThatIsElsewhereIsEvidenceAgainstAPose) {
   const auto part = makePart("bracket", bracketPlate());
   sim::Plate other = bracketPlate();
