@@ -91,6 +91,9 @@ void addOptions(CLI::App* app, Options* options) {
   app->footer("Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.");
 }
 
+/// Pictures that are asked why they show no board; each takes its time.
+constexpr std::size_t kAskedMost = 6;
+
 /// What the pictures show.
 struct Seen {
   HandEyeProblem problem;
@@ -99,6 +102,15 @@ struct Seen {
 
 cv::Mat loadImage(const std::filesystem::path& path) {
   return readImage(path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+}
+
+/// Why one picture is of no use: "board partly out of view".
+std::string whyNotUsable(const BoardObservation& observation, const cv::Mat& image,
+                         const Board& board, std::size_t asked) {
+  if (observation.status == BoardObservation::Status::kBlurred) return "blurred";
+  if (asked >= kAskedMost) return "no board found";
+  const std::string why = whyBoardIsMissing({image}, board);
+  return why.substr(0, why.find(':'));
 }
 
 Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mounting) {
@@ -122,8 +134,8 @@ Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mount
       seen.problem.observations.push_back(
           {sample.name, sample.T_base_flange, observation.corners, observation.ids});
     } else {
-      const bool blurred = observation.status == BoardObservation::Status::kBlurred;
-      seen.without_board.push_back(sample.name + (blurred ? ": blurred" : ": no board found"));
+      seen.without_board.push_back(
+          sample.name + ": " + whyNotUsable(observation, image, board, seen.without_board.size()));
     }
   }
   return seen;
@@ -139,8 +151,6 @@ void explainMissingBoards(const std::vector<Sample>& samples, const Seen& seen,
                        std::to_string(seen.problem.board.rows) + " inner corners (" +
                        seen.without_board.front() + ")";
   if (2 * seen.without_board.size() > samples.size()) {
-    // As many as a majority needs; each takes its time.
-    constexpr std::size_t kSearchedMost = 6;
     const auto isMissing = [&seen](const Sample& sample) {
       const auto& all = seen.problem.observations;
       return std::none_of(all.begin(), all.end(),
@@ -148,8 +158,9 @@ void explainMissingBoards(const std::vector<Sample>& samples, const Seen& seen,
     };
     std::vector<cv::Mat> images;
     for (const Sample& sample : samples) {
-      if (images.size() < kSearchedMost && isMissing(sample))
+      if (images.size() < kAskedMost && isMissing(sample)) {
         images.push_back(loadImage(sample.image));
+      }
     }
     const std::string why = whyBoardIsMissing(images, seen.problem.board);
     if (!why.empty()) reason = why + "; " + reason;

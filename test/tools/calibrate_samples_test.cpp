@@ -151,6 +151,26 @@ TEST_F(CalibrateSamples, NamesAMiscountedBoard) {
   EXPECT_NE(text.find("9x6"), std::string::npos) << text;
 }
 
+// A few of them do not spoil a good result; where most are, the board has to be moved.
+TEST_F(CalibrateSamples, SaysWhichBoardsAreOutOfView) {
+  const auto half = [](const std::string& name) {
+    Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
+    T_camera_board.linear() =
+        Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).toRotationMatrix();  // cut off aslant
+    T_camera_board.translation() =
+        Eigen::Vector3d(0.15, 0.0, 0.42) - T_camera_board.linear() * cell_.centre();
+    return take(cell_, T_camera_board, name);
+  };
+  dir_->write("one_out.yaml", samples_ + half("half.png"));
+  EXPECT_EQ(run("9x6", "0.02", inHand("one_out.yaml")), 0) << said_;
+  EXPECT_NE(said_.find("half.png: board partly out of view\n"), std::string::npos) << said_;
+  dir_->write("out.yaml", half("half.png") + half("half1.png") + half("half12.png"));
+  EXPECT_EQ(run("9x6", "0.02", inHand("out.yaml")), 3) << said_;
+  EXPECT_NE(said_.find("  - board partly out of view: its edge leaves the picture"),
+            std::string::npos)
+      << said_;
+}
+
 TEST_F(CalibrateSamples, SaysNothingOnStandardErrorAndWhereItWrote) {
   const std::string said = dir_->path("said.txt");
   const int status = std::system((std::string(CALIBRATE_SAMPLES) + " --board 9x6 --square 0.02 " +

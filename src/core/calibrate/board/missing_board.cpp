@@ -3,9 +3,8 @@
 #include "planar_bin_picking/calibrate/board/missing_board.h"
 
 #include "calibrate/board/board_grid.h"
+#include "calibrate/board/crossings.h"
 #include "calibrate/board/markers.h"
-
-#include <opencv2/calib3d.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -36,43 +35,17 @@ bool touchesBorder(const cv::Size& image, const Board& grid,
 
 enum class PartOfBoard { kNone, kInside, kCutOff };
 
-/// Whether there is a checkerboard of any size. Older versions of OpenCV cannot tell: it may be,
-/// then.
-bool mayShowBoard(const cv::Mat& image, int least) {
-#if CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 3)
-  const Shrunk small(image, kSectorSearch);
-  std::vector<cv::Point2f> corners;
-  cv::Mat found;
-  if (!cv::findChessboardCornersSB(small.image, {least, least}, corners,
-                                   cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER, found)) {
-    return false;
-  }
-  // It finds grids in mere grain, too.
-  return allCrossings(small.image, {found.cols, found.rows, 1.0}, corners);
-#else
-  return !image.empty() && least > 0;
-#endif
-}
-
-/// Whether some of a checkerboard is seen, and whether the picture's border cuts it off.
-PartOfBoard partOfBoard(const cv::Mat& image, const Board& board) {
-  constexpr int kLeast = 3;  // corners a side that the detector takes
-  if (!mayShowBoard(image, kLeast)) return PartOfBoard::kNone;
-  // Cut off at one side most often, which leaves whole columns, or whole rows.
-  std::vector<cv::Size> sizes;
-  for (int cols = board.cols - 1; cols >= kLeast; --cols) sizes.emplace_back(cols, board.rows);
-  for (int rows = board.rows - 1; rows >= kLeast; --rows) sizes.emplace_back(board.cols, rows);
-  for (int less = 1; std::min(board.cols, board.rows) - less >= kLeast; ++less) {
-    sizes.emplace_back(board.cols - less, board.rows - less);
-  }
-  for (const cv::Size& size : sizes) {
-    const std::vector<cv::Point2f> corners = sectorBased(image, size);
-    if (corners.empty()) continue;
-    if (touchesBorder(image.size(), {size.width, size.height, 1.0}, corners)) {
-      return PartOfBoard::kCutOff;
-    }
-  }
-  return PartOfBoard::kInside;
+/// Whether some of a checkerboard is seen, and whether the picture's border cuts it off. The
+/// detectors look for whole grids; of a board that is cut off aslant there is none left.
+PartOfBoard partOfBoard(const cv::Mat& image) {
+  const std::vector<Crossing> crossings = findCrossings(image);
+  // Ends of two sides at least; of such, chance makes few.
+  constexpr std::ptrdiff_t kFewest = 4;
+  const auto cornersOfSquares =
+      std::count_if(crossings.begin(), crossings.end(),
+                    [](const Crossing& crossing) { return crossing.next.size() >= 2; });
+  if (cornersOfSquares < kFewest) return PartOfBoard::kNone;
+  return leavePicture(crossings, image.size()) ? PartOfBoard::kCutOff : PartOfBoard::kInside;
 }
 
 /// Nobody needs all pictures to see a miscount: some, evenly spread.
@@ -142,7 +115,7 @@ std::string whyBoardIsMissing(const std::vector<cv::Mat>& images, const Board& b
   }
   bool is_seen = false;
   for (const cv::Mat& image : someOf(images)) {
-    const PartOfBoard part = partOfBoard(image, board);
+    const PartOfBoard part = partOfBoard(image);
     if (part == PartOfBoard::kCutOff) {
       return "board partly out of view: its edge leaves the picture; all " + stated +
              " inner corners must be seen: move the board to the middle, the camera farther away, "

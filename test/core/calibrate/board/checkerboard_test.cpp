@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include <algorithm>
 
 namespace planar_bin_picking {
@@ -131,6 +133,27 @@ TEST(Checkerboard, SaysWhyItIsMissing) {
   EXPECT_EQ(why(seen(0.16), {9, 6, 0.02}).find("board partly out of view"), 0u);
   EXPECT_EQ(findOtherBoard({seen(0.16)}, {9, 6, 0.02}), "");
   EXPECT_EQ(why(seen(2.0), {9, 6, 0.02}).find("no board"), 0u);
+}
+
+// Neither whole columns nor whole rows are left of it.
+TEST(Checkerboard, CutOffAslantIsNamed) {
+  const sim::BoardCell cell = smallCell(9, 6);
+  for (const double degrees : {25.0, 45.0, 70.0, 115.0}) {
+    Eigen::Isometry3d T_camera_board = tilted(cell, degrees);
+    T_camera_board.translation().x() += 0.16;
+    const cv::Mat image = sim::takeBoardImage(cell, T_camera_board, 0.7, 2.0, 1);
+    EXPECT_EQ(whyBoardIsMissing({image}, {9, 6, 0.02}).find("board partly out of view"), 0u)
+        << degrees << ": " << whyBoardIsMissing({image}, {9, 6, 0.02});
+  }
+}
+
+TEST(Checkerboard, CoveredIsNotOutOfView) {
+  const sim::BoardCell cell = smallCell(9, 6);
+  cv::Mat image = sim::takeBoardImage(cell, tilted(cell, 0.0), 0.7, 2.0, 1);
+  const cv::Point middle(image.cols / 2, image.rows / 2);
+  cv::circle(image, middle, image.rows / 10, cv::Scalar(90), cv::FILLED);
+  EXPECT_EQ(whyBoardIsMissing({image}, {9, 6, 0.02}).find("part of a board"), 0u)
+      << whyBoardIsMissing({image}, {9, 6, 0.02});
 }
 
 // Shrunk to the size that is searched first, its squares have 4 pixels.
