@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <stdexcept>
 #include <thread>
+#include <type_traits>
 
 namespace planar_bin_picking {
 namespace {
@@ -115,8 +116,12 @@ bool isAnother(const Detection& known, const Eigen::Isometry3d& T_known,
   return (sigmas > kSigmasOff && metres > kMetresOff) || off.head<3>().norm() > kMetresFar;
 }
 
+/// EIGEN_PI is a long double, which no pattern here takes.
+constexpr double kInDegrees = 180.0 / static_cast<double>(EIGEN_PI);
+
 template <class... Values>
 std::string text(const char* pattern, Values... values) {
+  static_assert((!std::is_same_v<Values, long double> && ...), "%f reads a double");
   char out[300];
   std::snprintf(out, sizeof out, pattern, values...);
   return out;
@@ -227,7 +232,7 @@ void Looker::judge(const Detection& known, const std::vector<ViewPtr>& views, co
     out->text = text(
         "%zu views agree (chi squared %.1f of %d), %.2f mm and %.2f degrees from what was known",
         views.size(), fit.pose.chi_squared, fit.pose.freedom, 1e3 * out->moved,
-        out->moved_rad * 180.0 / EIGEN_PI);
+        kInDegrees * out->moved_rad);
     return;
   }
   const bool was_seen =
@@ -238,7 +243,7 @@ void Looker::judge(const Detection& known, const std::vector<ViewPtr>& views, co
     const ImagePose& own = seen.found.front().own;
     place(views.back()->T_first_this() * own.T_camera_centre, inMetres(own.covariance, radius));
     out->text = text("seen in either view, but %.2f mm and %.2f degrees apart: locate again",
-                     1e3 * out->moved, out->moved_rad * 180.0 / EIGEN_PI);
+                     1e3 * out->moved, kInDegrees * out->moved_rad);
   } else if (!another && fit.scores.back() > kHidden && fit.scores.back() < kFits &&
              fit.scores.front() > kFits) {
     out->status = LookStatus::kNotSeen;

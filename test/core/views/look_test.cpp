@@ -12,6 +12,8 @@
 
 #include <Eigen/Dense>
 
+#include <regex>
+
 namespace planar_bin_picking {
 namespace {
 
@@ -42,6 +44,20 @@ class LookAgain : public testing::Test {
     return Looker(kExact).look(knownAt(known), *kBracket, {first_, view});
   }
 };
+
+/// The numbers of a text, in their order.
+std::vector<double> numbersIn(const std::string& text) {
+  const std::regex number("[0-9]+([.][0-9]+)?");
+  std::vector<double> numbers;
+  for (std::sregex_iterator at(text.begin(), text.end(), number), end; at != end; ++at)
+    numbers.push_back(std::stod(at->str()));
+  return numbers;
+}
+
+Eigen::Isometry3d deeper(Eigen::Isometry3d T, double metres) {
+  T.translation() *= 1.0 + metres / kCentre.norm();
+  return T;
+}
 
 double depthSigma(const Detection& d) {
   const Eigen::Matrix3d R = d.T_camera_part.linear();
@@ -209,6 +225,125 @@ TEST_F(LookAgain, TheCovarianceIsHonest) {
   EXPECT_GT(sum / kLooks, 0.05);  // drawn without bevel and shadow, less than is allowed for
 }
 
+/// What a robot program logs, and its operator reads.
+TEST_F(LookAgain, SaysWhatItFoundInNumbers) {
+  for (const double off : {0.0, 0.008}) {
+    const auto result = look(deeper(truth_, off), second_);
+    EXPECT_EQ(std::string(nameOf(result.status)), off > 0.0 ? "corrected" : "confirmed");
+    EXPECT_NE(result.text.find("2 views agree (chi squared"), std::string::npos) << result.text;
+    EXPECT_NE(result.text.find("mm and"), std::string::npos) << result.text;
+    EXPECT_NE(result.text.find("degrees from what was known"), std::string::npos) << result.text;
+    const auto said = numbersIn(result.text);  // views, chi squared, of, mm, degrees
+    ASSERT_EQ(said.size(), 5u) << result.text;
+    EXPECT_GT(said[1], 0.0);
+    EXPECT_EQ(said[2], 8.0);
+    EXPECT_NEAR(said[3], 1e3 * result.moved, 0.006);
+    EXPECT_NEAR(said[3], 1e3 * off, 0.5);
+    EXPECT_NEAR(said[4], result.moved_rad / kDegrees, 0.006);
+    EXPECT_EQ(result.detection.views, 2);
+  }
+  Eigen::Isometry3d moved = truth_;
+  moved.translation() += 3e-3 * T_first_second_.linear().col(0);
+  const auto apart = look(truth_, viewOf(bracketAt(moved), T_first_second_, 3));
+  EXPECT_EQ(std::string(nameOf(apart.status)), "moved");
+  EXPECT_NE(apart.text.find("seen in either view, but"), std::string::npos) << apart.text;
+  EXPECT_NE(apart.text.find("apart: locate again"), std::string::npos) << apart.text;
+  EXPECT_NEAR(numbersIn(apart.text).at(0), 1e3 * apart.moved, 0.006);
+  EXPECT_NEAR(numbersIn(apart.text).at(1), apart.moved_rad / kDegrees, 0.006);
+  EXPECT_EQ(apart.detection.views, 1);
+  // One view tells much less of it than two do.
+  EXPECT_GT(depthSigma(apart.detection), 2.0 * depthSigma(look(truth_, second_).detection));
+}
+
+TEST_F(LookAgain, SaysWhyNothingFits) {
+  const auto gone = look(truth_, viewOf(sim::Scene(), T_first_second_, 3));
+  EXPECT_EQ(std::string(nameOf(gone.status)), "contradicted");
+  EXPECT_NE(gone.text.find("the part is not there: no pose fits"), std::string::npos) << gone.text;
+  // Percent: first, new, each by itself.
+  const auto said = numbersIn(gone.text);
+  ASSERT_EQ(said.size(), 6u) << gone.text;
+  EXPECT_LT(said[1], 30.0);
+  EXPECT_GT(said[2], 80.0);
+  EXPECT_LT(said[3], 30.0);
+  EXPECT_TRUE(gone.detection.T_camera_part.isApprox(truth_, 1e-12));
+  EXPECT_EQ(gone.detection.covariance, knownAt(truth_).covariance);
+  EXPECT_EQ(gone.moved, 0.0);
+  // As well where it is the first picture that does not bear it out.
+  const auto before =
+      Looker(kExact).look(knownAt(truth_), *kBracket,
+                          {viewOf(sim::Scene(), Eigen::Isometry3d::Identity(), 1), second_});
+  EXPECT_EQ(before.status, LookStatus::kContradicted) << before.text;
+  EXPECT_LT(numbersIn(before.text).at(2), 30.0);
+  EXPECT_GT(numbersIn(before.text).at(3), 80.0);
+  const auto hidden = look(truth_, viewOf(coveredTo(14), T_first_second_, 3));
+  EXPECT_EQ(std::string(nameOf(hidden.status)), "not_seen");
+  EXPECT_NE(hidden.text.find("% of its outline is borne out: something is in front of it"),
+            std::string::npos)
+      << hidden.text;
+  EXPECT_GT(numbersIn(hidden.text).at(0), 30.0);
+  EXPECT_LT(numbersIn(hidden.text).at(0), 45.0);
+  EXPECT_NEAR(numbersIn(hidden.text).at(0), 100.0 * hidden.seen, 15.0);
+}
+
+/// The camera moves aside until less and less of the part is in its picture.
+TEST_F(LookAgain, APartAtThePicturesBorderIsNotSeen) {
+  const auto from = [&](double pixels_inside) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    const double px_per_metre = 1700.0 / 0.6;
+    T.translation().x() = kCentre.x() + (604.3 - pixels_inside) / px_per_metre;
+    return look(truth_, viewOf(bracketAt(truth_), T, 3));
+  };
+  const auto half = from(0.0), most = from(70.0);
+  EXPECT_EQ(half.status, LookStatus::kNotSeen);
+  EXPECT_NE(half.text.find("the picture shows"), std::string::npos) << half.text;
+  EXPECT_NE(half.text.find("~next_view"), std::string::npos) << half.text;
+  EXPECT_NEAR(numbersIn(half.text).at(0), 45.0, 15.0);
+  EXPECT_EQ(most.text.find("the picture shows"), std::string::npos) << most.text;
+}
+
+TEST_F(LookAgain, AnotherPlaceIsFartherThanWasKnown) {
+  const auto statusAt = [&](double off, double vague) {
+    Detection known = knownAt(deeper(truth_, off));
+    known.covariance *= vague * vague;
+    const auto result = Looker(kExact).look(known, *kBracket, {first_, second_});
+    return std::string(nameOf(result.status));
+  };
+  EXPECT_EQ(statusAt(0.0006, 0.1), "confirmed");  // too little for a gripper
+  EXPECT_EQ(statusAt(0.0020, 0.1), "corrected");
+  EXPECT_EQ(statusAt(0.0020, 5.0), "confirmed");  // as vague as was said
+  EXPECT_EQ(statusAt(0.0045, 5.0), "corrected");  // a robot would have felt it
+}
+
+TEST_F(LookAgain, OnlyViewsThatAgreeAreKept) {
+  TrackedPart tracked{knownAt(truth_), {first_}};
+  const Looker looker(kExact);
+  EXPECT_EQ(looker.look(*kBracket, second_, &tracked).status, LookStatus::kConfirmed);
+  EXPECT_EQ(tracked.views, (std::vector<ViewPtr>{first_, second_}));
+  EXPECT_EQ(tracked.detection.views, 2);
+  const Detection before = tracked.detection;
+  const auto gone = looker.look(*kBracket, viewOf(sim::Scene(), T_first_second_, 3), &tracked);
+  EXPECT_EQ(gone.status, LookStatus::kContradicted);
+  EXPECT_EQ(tracked.views.size(), 2u);
+  EXPECT_EQ(tracked.detection.T_camera_part.matrix(), before.T_camera_part.matrix());
+  tracked = {knownAt(deeper(truth_, 0.008)), {first_}};
+  EXPECT_EQ(looker.look(*kBracket, second_, &tracked).status, LookStatus::kCorrected);
+  EXPECT_EQ(tracked.views.size(), 2u);
+}
+
+TEST_F(LookAgain, AViewHoldsItsOwnPicture) {
+  cv::Mat image = first_->image().clone(), deep;
+  image.convertTo(deep, CV_16U, 256.0);
+  const View view(image, first_->camera(), T_first_second_);
+  image.setTo(0);
+  EXPECT_EQ(cv::norm(view.image(), first_->image(), cv::NORM_INF), 0.0);
+  EXPECT_EQ(view.noise(), first_->noise());
+  EXPECT_GT(view.noise()[100], 0.0F);
+  EXPECT_TRUE(view.T_first_this().isApprox(T_first_second_));
+  const View of_deep(deep, first_->camera(), T_first_second_);
+  EXPECT_EQ(of_deep.image().depth(), CV_8U);
+  EXPECT_LE(cv::norm(of_deep.image(), first_->image(), cv::NORM_INF), 128.0);
+}
+
 TEST_F(LookAgain, RefusesWhatIsNoView) {
   EXPECT_TRUE(refuses([&] { Looker().look(knownAt(truth_), *kBracket, {first_}); }, {"two views"}));
   const Camera camera = makeCamera(kPinhole);
@@ -223,6 +358,11 @@ TEST_F(LookAgain, RefusesWhatIsNoView) {
   EXPECT_TRUE(refuses(make(cv::Mat(100, 100, CV_8U), 0.0), {"100 x 100", "1200 x 1000"}));
   EXPECT_TRUE(refuses(make(cv::Mat(1000, 1200, CV_8UC3), 0.0), {"3 channels"}));
   EXPECT_TRUE(refuses(make(cv::Mat(1000, 1200, CV_8U, cv::Scalar(9)), NAN), {"pose"}));
+  EXPECT_TRUE(refuses(make(cv::Mat(1000, 1200, CV_32F), 0.0), {"8 or 16 bit"}));
+  // Some drivers pad or crop by a pixel or two.
+  make(cv::Mat(998, 1198, CV_8U, cv::Scalar(9)), 0.0)();
+  EXPECT_TRUE(refuses(make(cv::Mat(1000, 1197, CV_8U), 0.0), {"1197 x 1000"}));
+  EXPECT_TRUE(refuses(make(cv::Mat(997, 1200, CV_8U), 0.0), {"1200 x 997"}));
 }
 
 }  // namespace

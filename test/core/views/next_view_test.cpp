@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/views/next_view.h"
 
+#include "part/outline_view.h"
 #include "planar_bin_picking/locate/locator.h"
 #include "planar_bin_picking/views/look.h"
 #include "support/matchers.h"
 #include "support/orbit.h"
 
 #include <gtest/gtest.h>
+
+#include <functional>
 
 namespace planar_bin_picking {
 namespace {
@@ -109,6 +112,91 @@ TEST_F(NextViewOf, StaysWithinItsLimits) {
   EXPECT_FALSE(next(limits));
 }
 
+/// Of the box's six sides each.
+TEST_F(NextViewOf, StaysInTheBox) {
+  const auto wide = next(wideLimits());
+  ASSERT_TRUE(wide);
+  const Eigen::Vector3d free = kT_base_first * wide->T_first_camera.translation();
+  int found = 0;
+  for (int side = 0; side < 6; ++side) {
+    NextViewLimits limits = wideLimits();
+    const int axis = side / 2;
+    const double wall = free(axis) + (side % 2 == 0 ? 0.02 : -0.02);
+    (side % 2 == 0 ? limits.box_min : limits.box_max)(axis) = wall;
+    const auto within = next(limits);
+    if (!within) continue;
+    ++found;
+    const double x = (kT_base_first * within->T_first_camera.translation())(axis);
+    EXPECT_TRUE(side % 2 == 0 ? x >= wall : x <= wall) << side << ": " << x << " " << wall;
+  }
+  EXPECT_GE(found, 5);
+}
+
+TEST_F(NextViewOf, LooksAtThePartFromWhereItIsSharp) {
+  NextViewLimits limits = wideLimits();
+  limits.focus = {0.55, 0.75};
+  const auto proposed = next(limits);
+  ASSERT_TRUE(proposed);
+  const Eigen::Isometry3d& T = proposed->T_first_camera;
+  const Eigen::Vector3d centre =
+      T.inverse() * known_.T_camera_part * centreOf(*kBracket, Face::kFront).translation();
+  EXPECT_LT(centre.head<2>().norm(), 1e-9);                             // on the optical axis
+  EXPECT_LT(std::abs(Eigen::AngleAxisd(T.linear()).axis().z()), 1e-9);  // not turned about it
+  for (const auto& p : bracketPlate().outer) {
+    const double depth =
+        (T.inverse() * sim::poseOf(kLie) * (1e-3 * Eigen::Vector3d(p.x(), p.y(), 0.0))).z();
+    EXPECT_GT(depth, 0.549);
+    EXPECT_LT(depth, 0.751);
+  }
+  // Where the focus is the same everywhere, no place is proposed that is as good and farther away.
+  EXPECT_LT(T.translation().norm(), 0.55);
+  limits.focus = {0.6, 0.602};  // less than the part's own depth from aside
+  EXPECT_FALSE(next(limits));
+}
+
+/// Not from where its face is seen from the side, or it is not all in the picture.
+TEST_F(NextViewOf, PredictsNothingWhereTooLittleIsSeen) {
+  const Eigen::Vector3d centre = known_.T_camera_part * Eigen::Vector3d(0.007, -0.004, 0.0);
+  const auto told = [&](const Eigen::Isometry3d& T) {
+    return predictedCovariance(known_, *kBracket, kCamera, T, {}).has_value();
+  };
+  for (const double direction : {0.0, 90.0, 180.0, 270.0}) {
+    EXPECT_TRUE(told(orbit(centre, 35, direction))) << direction;
+    EXPECT_FALSE(told(orbit(centre, 80, direction))) << direction;
+    const Eigen::Vector3d aside(0.21 * std::cos(direction * kDegrees),
+                                0.18 * std::sin(direction * kDegrees), 0.0);
+    Eigen::Isometry3d T = orbit(centre, 5, 40);
+    T.translation() += aside + T.linear() * Eigen::Vector3d(centre.x(), centre.y(), 0.0);
+    EXPECT_FALSE(told(T)) << direction;
+  }
+  Eigen::Isometry3d beyond = Eigen::Isometry3d::Identity();
+  beyond.translation().z() = 1.0;  // the part is behind it
+  EXPECT_FALSE(told(beyond));
+}
+
+/// Edges that are covered say nothing; what several views tell already, they tell.
+TEST_F(NextViewOf, PredictsFromWhatIsKnown) {
+  const Eigen::Vector3d centre = known_.T_camera_part * Eigen::Vector3d(0.007, -0.004, 0.0);
+  const Eigen::Isometry3d T = orbit(centre, 30, 200);
+  const auto place = [&](const Detection& known) {
+    const auto said = predictedCovariance(known, *kBracket, kCamera, T, {});
+    return said ? std::sqrt(said->topLeftCorner<3, 3>().trace()) : 1.0;
+  };
+  Detection half = known_;
+  half.covered.clear();
+  const auto& cells = kBracket->faceGrid().cells();
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (cells[i].x() < 0.01) half.covered.push_back(static_cast<int>(i));
+  }
+  EXPECT_GT(place(half), 1.1 * place(known_));
+  Detection tracked = known_;
+  tracked.views = 2;
+  tracked.covariance *= 0.01;
+  EXPECT_LT(place(tracked), place(known_));
+  tracked.covariance = known_.covariance * 1e4;
+  EXPECT_GT(place(tracked), place(known_));
+}
+
 TEST_F(NextViewOf, LooksOverTheWallsOfTheBin) {
   NextViewLimits limits = wideLimits();
   const Eigen::Vector3d part = kT_base_first * sim::poseOf(kLie).translation();
@@ -121,17 +209,35 @@ TEST_F(NextViewOf, LooksOverTheWallsOfTheBin) {
   EXPECT_GT((part + (eye - part) * (0.2 / (eye.z() - part.z()))).x(), limits.bin->min.x());
   limits.bin->max.z() = 0.9;  // higher than any place that is allowed
   EXPECT_FALSE(next(limits));
+  // A wall on either side, close to the part and high: it looks from the other one.
+  for (int side = 0; side < 4; ++side) {
+    const int axis = side / 2;
+    limits.bin->min = part - Eigen::Vector3d(0.4, 0.4, 0.1);
+    limits.bin->max = part + Eigen::Vector3d(0.4, 0.4, 0.2);
+    (side % 2 == 0 ? limits.bin->min : limits.bin->max)(axis) =
+        part(axis) + (side % 2 == 0 ? -0.06 : 0.06);
+    const auto inside = next(limits);
+    ASSERT_TRUE(inside) << side;
+    const Eigen::Vector3d from = kT_base_first * inside->T_first_camera.translation();
+    const double at_rim = (part + (from - part) * (0.2 / (from.z() - part.z())))(axis);
+    EXPECT_TRUE(side % 2 == 0 ? at_rim > part(axis) - 0.06 : at_rim < part(axis) + 0.06) << side;
+  }
 }
 
 TEST_F(NextViewOf, LimitsThatCannotBeAreRefused) {
-  NextViewLimits limits;
-  EXPECT_TRUE(refuses([&] { next(limits); }, {"box"}));
-  limits = wideLimits();
-  limits.cone_deg = 0.0;
-  EXPECT_TRUE(refuses([&] { next(limits); }, {"cone"}));
-  limits = wideLimits();
-  limits.focus = {0.5, 0.5};
-  EXPECT_TRUE(refuses([&] { next(limits); }, {"focus"}));
+  const auto refused = [&](const std::function<void(NextViewLimits*)>& spoil,
+                           const std::vector<std::string>& words) {
+    NextViewLimits limits = wideLimits();
+    spoil(&limits);
+    return refuses([&] { next(limits); }, words);
+  };
+  EXPECT_TRUE(refused([](auto* l) { l->box_max.y() = -1.0; }, {"box", "empty", "maximum"}));
+  EXPECT_TRUE(refused([](auto* l) { l->box_min.x() = NAN; }, {"box"}));
+  EXPECT_TRUE(refused([](auto* l) { l->cone_deg = 0.0; }, {"cone is 0.0", "less than 90"}));
+  EXPECT_TRUE(refused([](auto* l) { l->cone_deg = 90.0; }, {"cone is 90.0", "more than 0"}));
+  EXPECT_TRUE(refused([](auto* l) { l->cone_deg = NAN; }, {"cone"}));
+  EXPECT_TRUE(refused([](auto* l) { l->focus = {0.5, 0.5}; }, {"focus", "0.50", "smaller one"}));
+  EXPECT_TRUE(refused([](auto* l) { l->focus = {0.0, 0.5}; }, {"focus", "0.00"}));
 }
 
 }  // namespace
