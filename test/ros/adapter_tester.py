@@ -21,14 +21,19 @@ class Arm:
 
     def __init__(self):
         self.x, self.cancelled, self.obeys, self.fault = 0.0, False, True, ""
-        self.frames, self.scales = [], []
+        self.frames, self.scales, self.plans_for = [], [], 0.0
 
-    def follow(self, target, speed_scale):
+    def follow(self, target, speed_scale, begin):
         self.frames.append(target.header.frame_id)
         self.scales.append(speed_scale)
         if target.pose.position.x > 1.0:
             raise moveit_adapter.Unreachable("only 10% of the way can be gone")
-        self.cancelled = False
+        time.sleep(self.plans_for)
+
+        def send():
+            self.cancelled = False
+        if not begin(send):
+            return moveit_adapter.STOPPED
         while self.x < target.pose.position.x:
             if self.fault or (self.cancelled and self.obeys):
                 return self.fault or "cancelled"
@@ -75,6 +80,16 @@ class AdapterTest(unittest.TestCase):
         answer = self.call(2.0)
         self.assertEqual((answer.success, answer.reachable), (False, False))
         self.assertIn("10%", answer.message)
+
+    def test_a_stop_while_it_plans(self):
+        self.arm.plans_for = 0.6  # longer than a robot that stands needs to prove it
+        thread, answers = self.begin(0.9)
+        time.sleep(0.1)
+        self.assertTrue(self.call(0.0, 0.0).success)
+        thread.join(5.0)
+        self.assertEqual((answers[0].success, answers[0].reachable, answers[0].message), (False, True, "stopped"))
+        self.assertEqual(self.arm.x, 0.0)
+        self.assertTrue(self.call(0.05).success)
 
     def test_broken_off(self):
         thread, answers = self.begin(0.9)

@@ -19,6 +19,7 @@ STANDSTILL = 0.2  # s without motion, after which a robot stands
 STANDSTILL_MAX = 2.5  # s, less than the calibrator's stop_timeout
 STILL_M, STILL_RAD = 1e-4, 1e-3  # less than this is no motion
 WHOLE = 0.999  # share of a straight line that is the whole of it
+STOPPED = "stopped"
 
 
 class Unreachable(Exception):
@@ -42,8 +43,9 @@ class MoveItArm:
         self.tf = tf2_ros.Buffer()
         self.listener = tf2_ros.TransformListener(self.tf)
 
-    def follow(self, target, speed_scale):
-        """Goes straight to the target. @return  "" at its end, else why it broke off."""
+    def follow(self, target, speed_scale, begin):
+        """Goes straight to the target. The motion begins in begin(send), which says whether it may: planning takes its
+        time, and a stop may have come meanwhile. @return  "" at its end, else why it broke off."""
         request = self.request_type(group_name=self.group, link_name=self.flange, waypoints=[target.pose],
                                     max_step=0.005, jump_threshold=0.0, avoid_collisions=True)
         request.header.frame_id = target.header.frame_id
@@ -51,7 +53,9 @@ class MoveItArm:
         answer = self.plan(request)
         if answer.fraction < WHOLE:
             raise Unreachable(f"only {answer.fraction:.0%} of the way can be gone")
-        self.client.send_goal(self.goal_type(trajectory=slowed(answer.solution, speed_scale)))
+        goal = self.goal_type(trajectory=slowed(answer.solution, speed_scale))
+        if not begin(lambda: self.client.send_goal(goal)):
+            return STOPPED
         self.client.wait_for_result()
         result = self.client.get_result()
         done = result is not None and result.error_code.val == result.error_code.SUCCESS
@@ -93,12 +97,18 @@ class Adapter:
     def move(self, request):
         with self.gate:
             stops = self.stops
+
+        def begin(send):
+            with self.gate:  # a stop comes before this, and nothing is sent, or after it, and cancels
+                if stops == self.stops:
+                    send()
+                return stops == self.stops
+
         with self.moving:
             try:
-                with self.gate:
-                    if stops != self.stops:
-                        return MoveRobotResponse(reachable=True, message="stopped")
-                why = self.arm.follow(request.target, request.speed_scale)
+                if not begin(lambda: None):
+                    return MoveRobotResponse(reachable=True, message=STOPPED)
+                why = self.arm.follow(request.target, request.speed_scale, begin)
             except Unreachable as error:
                 return MoveRobotResponse(message=str(error))
             if not self.stands(request.target.header.frame_id):
