@@ -216,7 +216,7 @@ TEST_F(CalibrateSamples, TakesPartsOfABoardWithMarkers) {
   for (const std::string& word :
        {std::string("Uncertainty map"), std::string("limit 1 mm (tolerance_mm)"),
         std::string("with the robot&#39;s noise"),
-        std::string("by sigma and tolerance_mm), refused"), std::string("black: the board"),
+        std::string("by sigma and tolerance_mm), REFUSED above"), std::string("black: the board"),
         "src='" + dir_->path("part0.png")}) {
     EXPECT_NE(report.find(word), std::string::npos) << word;
   }

@@ -199,7 +199,7 @@ std::string calibrationYaml(const HandEyeProblem& problem, const HandEyeResult& 
 
 /// What a file was made of, as one line for people.
 std::string madeOf(const HandEyeResult& result, const Made& made) {
-  std::string text = "camera " + made.names.camera_name + ", calibrated " + made.date + ": " +
+  std::string text = "camera \"" + made.names.camera_name + "\", calibrated " + made.date + ": " +
                      nameOf(result.verdict);
   if (!result.solved) return text;
   return text + ", expected error " + yamlNumber(result.expected_error_mm, 3) + " mm and " +

@@ -26,10 +26,12 @@ std::string plusMinus(double sigma, const std::string& unit) {
   return text.str();
 }
 
-std::string limitText(double limit, const std::string& unit, const std::string& key) {
+/// @param what  "limit", "at least", or what it is beyond the limit
+std::string limitText(double limit, const std::string& unit, const std::string& key,
+                      const std::string& what = "limit") {
   Page text;
-  text << "limit ";
-  text.number(limit) << " " << unit << " (" << key << ")";
+  text << what << " ";
+  text.number(limit) << unit << " (" << key << ")";
   return text.str();
 }
 
@@ -62,14 +64,16 @@ void resultRows(const HandEyeResult& r, Page* page) {
   }
 }
 
+const char kPoorAbove[] = "POOR above", kRefusedAbove[] = "REFUSED above";
+
 /// What it was judged by.
 void qualityRows(const HandEyeProblem& problem, const HandEyeResult& r, Page* page) {
   const HandEyeParams& limits = r.params;
   row(page, "expected error, position", r.expected_error_mm, "mm",
-      limitText(limits.tolerance_mm, "mm", "tolerance_mm") +
+      limitText(limits.tolerance_mm, " mm", "tolerance_mm") +
           "; RMS of a part's pose at the working distance, with a robot that goes where it says");
   row(page, "expected error, rotation", r.expected_error_deg, "deg",
-      limitText(limits.tolerance_deg, "deg", "tolerance_deg"));
+      limitText(limits.tolerance_deg, " deg", "tolerance_deg"));
   row(page, "with the robot's noise, position", r.with_robot_mm, "mm",
       "looking and going there with the noise below");
   row(page, "with the robot's noise, rotation", r.with_robot_deg, "deg", "");
@@ -82,17 +86,20 @@ void qualityRows(const HandEyeProblem& problem, const HandEyeResult& r, Page* pa
   row(page, "residual of the chain", r.chain_px, "px", "robot poses as reported");
   row(page, "floor", r.pnp_floor_px, "px", "each board placed freely");
   row(page, "robot noise", r.robot_mm, "mm",
-      "per axis, estimated; " + limitText(limits.robot_poor_mm, "mm", "robot_poor_mm") +
-          ", refused " + limitText(limits.robot_refused_mm, "mm", "robot_refused_mm"));
+      "per axis, estimated; " +
+          limitText(limits.robot_poor_mm, " mm", "robot_poor_mm", kPoorAbove) + ", " +
+          limitText(limits.robot_refused_mm, " mm", "robot_refused_mm", kRefusedAbove));
   row(page, "robot noise", r.robot_deg, "deg",
-      "per axis, estimated; " + limitText(limits.robot_poor_deg, "deg", "robot_poor_deg") +
-          ", refused " + limitText(limits.robot_refused_deg, "deg", "robot_refused_deg"));
+      "per axis, estimated; " +
+          limitText(limits.robot_poor_deg, " deg", "robot_poor_deg", kPoorAbove) + ", " +
+          limitText(limits.robot_refused_deg, " deg", "robot_refused_deg", kRefusedAbove));
   row(page, "square that fits", 1e3 * problem.board.square * r.square_ratio, "mm",
       plusMinus(1e3 * problem.board.square * r.square_ratio_sigma, "mm") + "; " +
-          limitText(100.0 * limits.scale_tolerance, "% off", "scale_tolerance"));
+          limitText(100.0 * limits.scale_tolerance, " % off", "scale_tolerance"));
   row(page, "turn about the second axis", r.axes_deg, "deg",
-      limitText(limits.axes_min_deg, "deg at least", "axes_min_deg"));
-  row(page, "views used", r.views_used, "", limitText(limits.min_views, "at least", "min_views"));
+      limitText(limits.axes_min_deg, " deg", "axes_min_deg", "at least"));
+  row(page, "views used", r.views_used, "",
+      limitText(limits.min_views, "", "min_views", "at least"));
   for (const LensTrial& trial : r.lens_trials) {
     row(page, "lens of " + std::to_string(trial.coefficients) + " coefficients", trial.held_out_px,
         "px",
@@ -101,8 +108,9 @@ void qualityRows(const HandEyeProblem& problem, const HandEyeResult& r, Page* pa
   }
   const LeaveOneOutLimits moves = leaveOneOutLimits(limits, r);
   row(page, "leave one view out", r.leave_one_out_mm, "mm",
-      "largest move of the camera; " + limitText(moves.poor, "mm", "by sigma and tolerance_mm") +
-          ", refused " + limitText(moves.refused, "mm", "likewise"));
+      "largest move of the camera; " +
+          limitText(moves.poor, " mm", "by sigma and tolerance_mm", kPoorAbove) + ", " +
+          limitText(moves.refused, " mm", "likewise", kRefusedAbove));
   row(page, "leave one view out", r.leave_one_out_deg, "deg", "");
 }
 
