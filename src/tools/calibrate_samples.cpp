@@ -91,27 +91,22 @@ void addOptions(CLI::App* app, Options* options) {
   app->footer("Exit status: 0 GOOD or POOR; 3 REFUSED; 2, with one line on stderr, on bad input.");
 }
 
-/// Pictures that are asked why they show no board; each takes its time.
-constexpr std::size_t kAskedMost = 6;
-
 /// What the pictures show.
 struct Seen {
   HandEyeProblem problem;
-  std::vector<std::string> without_board;  ///< "name: why"
+  struct Useless {
+    const Sample* sample;
+    std::string why;
+    std::string text() const { return sample->name + ": " + why; }
+  };
+  std::vector<Useless> without_board;
 };
 
 cv::Mat loadImage(const std::filesystem::path& path) {
   return readImage(path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
 }
 
-/// Why one picture is of no use: "board partly out of view".
-std::string whyNotUsable(const BoardObservation& observation, const cv::Mat& image,
-                         const Board& board, std::size_t asked) {
-  if (observation.status == BoardObservation::Status::kBlurred) return "blurred";
-  if (asked >= kAskedMost) return "no board found";
-  const std::string why = whyBoardIsMissing({image}, board);
-  return why.substr(0, why.find(':'));
-}
+const char kNoBoard[] = "no board found";
 
 Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mounting) {
   Seen seen;
@@ -134,48 +129,53 @@ Seen look(const std::vector<Sample>& samples, const Board& board, Mounting mount
       seen.problem.observations.push_back(
           {sample.name, sample.T_base_flange, observation.corners, observation.ids});
     } else {
-      seen.without_board.push_back(
-          sample.name + ": " + whyNotUsable(observation, image, board, seen.without_board.size()));
+      const bool blurred = observation.status == BoardObservation::Status::kBlurred;
+      seen.without_board.push_back({&sample, blurred ? "blurred" : kNoBoard});
     }
   }
   return seen;
 }
 
-/// Adds to the reasons what the solver cannot know: why pictures show no board.
-void explainMissingBoards(const std::vector<Sample>& samples, const Seen& seen,
-                          HandEyeResult* result) {
-  if (seen.without_board.empty()) return;
-  std::string reason = std::to_string(seen.without_board.size()) + " of " +
-                       std::to_string(samples.size()) + " pictures show no usable board of " +
-                       std::to_string(seen.problem.board.cols) + "x" +
-                       std::to_string(seen.problem.board.rows) + " inner corners (" +
-                       seen.without_board.front() + ")";
-  if (2 * seen.without_board.size() > samples.size()) {
-    const auto isMissing = [&seen](const Sample& sample) {
-      const auto& all = seen.problem.observations;
-      return std::none_of(all.begin(), all.end(),
-                          [&](const Observation& o) { return o.name == sample.name; });
-    };
-    std::vector<cv::Mat> images;
-    for (const Sample& sample : samples) {
-      if (images.size() < kAskedMost && isMissing(sample)) {
-        images.push_back(loadImage(sample.image));
-      }
-    }
-    const std::string why = whyBoardIsMissing(images, seen.problem.board);
-    if (!why.empty()) reason = why + "; " + reason;
+/// Why the pictures show no board: of most of them one reason, of a few each its own, "board partly
+/// out of view".
+std::string whyMissing(Seen* seen, bool most) {
+  constexpr std::size_t kAskedMost = 6;  // each takes its time
+  const Board& board = seen->problem.board;
+  std::vector<cv::Mat> images;
+  for (Seen::Useless& useless : seen->without_board) {
+    if (images.size() == kAskedMost) break;
+    if (useless.why != kNoBoard && !most) continue;
+    images.push_back(loadImage(useless.sample->image));
+    if (most) continue;
+    const std::string why = whyBoardIsMissing({images.back()}, board);
+    useless.why = why.substr(0, why.find(':'));
   }
+  return most ? whyBoardIsMissing(images, board) + "; " : "";
+}
+
+/// Adds to the reasons what the solver cannot know: why pictures show no board.
+void explainMissingBoards(std::size_t samples, Seen* seen, HandEyeResult* result) {
+  const std::size_t missing = seen->without_board.size();
+  if (missing == 0) return;
+  // Where most pictures lack it, all other reasons follow from that.
+  const bool most = 2 * missing > samples;
+  const std::string why = whyMissing(seen, most);
   // On its own a missing board is no flaw of a result that is good.
   if (result->verdict == Verdict::kGood) return;
-  // Where most pictures lack it, all other reasons follow from that.
-  const bool first = 2 * seen.without_board.size() > samples.size();
-  result->reasons.insert(first ? result->reasons.begin() : result->reasons.end(), reason);
+  const std::string reason = why + std::to_string(missing) + " of " + std::to_string(samples) +
+                             " pictures show no usable board of " +
+                             std::to_string(seen->problem.board.cols) + "x" +
+                             std::to_string(seen->problem.board.rows) + " inner corners (" +
+                             seen->without_board.front().text() + ")";
+  result->reasons.insert(most ? result->reasons.begin() : result->reasons.end(), reason);
 }
 
 void print(const HandEyeResult& result, const Seen& seen) {
   std::printf("%s: %d views used\n", nameOf(result.verdict), result.views_used);
   for (const std::string& reason : result.reasons) std::printf("  - %s\n", reason.c_str());
-  for (const std::string& name : seen.without_board) std::printf("  %s\n", name.c_str());
+  for (const Seen::Useless& useless : seen.without_board) {
+    std::printf("  %s\n", useless.text().c_str());
+  }
   for (std::size_t i = 0; i < result.views.size(); ++i) {
     if (result.views[i].used || result.views[i].why_not.empty()) continue;
     std::printf("  %s: not used: %s\n", seen.problem.observations[i].name.c_str(),
@@ -213,7 +213,7 @@ int run(const Options& options) {
   params.four_axis = !options.board_z.empty();
   if (params.four_axis) params.board_z = numberOf(options.board_z);
   HandEyeResult result = solveHandEye(seen.problem, params);
-  explainMissingBoards(samples, seen, &result);
+  explainMissingBoards(samples.size(), &seen, &result);
   CalibrationNames names;
   if (mounting == Mounting::kEyeToHand) names.mount_frame = "base";
   SaveOptions save;
