@@ -15,8 +15,8 @@ from visualization_msgs.msg import MarkerArray
 
 UP = 60.0  # s, for the node to come up; machines may be busy
 CENTER = (0.06, 0.04, 0.0)  # of the bracket, from its origin, m; to the thickness
-# Two fingers 30 mm beside the pick pose that reach 6 mm down, and two pins that stand 45 mm beside it on what is there.
-FINGERS = [-0.04, -0.01, -0.1, -0.03, 0.01, 0.006, 0.03, -0.01, -0.1, 0.04, 0.01, 0.006]
+# Two fingers, opened by 42 mm for an arm of 32 mm, that reach 6 mm down, and two pins that stand 45 mm beside it on what is there.
+FINGERS = [-0.008, -0.03, -0.1, 0.008, -0.021, 0.006, -0.008, 0.021, -0.1, 0.008, 0.03, 0.006]
 FOCUS = (0.56, 0.03, 0.07)  # m, in base: before the camera, in the middle of the distances
 PINS = [0.0, -0.045, 0.006, -0.05, 0.0, 0.0, 0.045, 0.006, -0.05, 0.0]
 
@@ -71,15 +71,28 @@ class RegionCases:
 
     # --- the tool ----------------------------------------------------------------------------------
     def test_fingers_need_room_beside_the_part(self):
-        def without_room(locator):
+        def response_of(locator, part):
             rospy.wait_for_service(locator + "/locate_part", UP)
-            response = rospy.ServiceProxy(locator + "/locate_part", LocatePart)(part="bracket")
+            return rospy.ServiceProxy(locator + "/locate_part", LocatePart)(part=part)
+
+        def without_room(locator):
+            response = response_of(locator, "bracket")
             self.assertIn(response.status, (Status.OK, Status.DEADLOCK), response.message)
             reasons = [refused.reason for refused in response.refused]
             self.assertLessEqual(set(reasons), {RefusedPart.NO_ROOM, RefusedPart.WALL})
             self.assertTrue(all(part.picks for part in response.parts))
             return reasons.count(RefusedPart.NO_ROOM)
         self.assertGreater(without_room("fingers"), 0)
+        self.assertTrue(response_of("fingers", "bracket").parts)  # others have room
+        # Turned by a quarter, the fingers would come down on the arm that they are to grip.
+        with open(os.path.join(self.parts, "crosswise.yaml"), "w") as file:
+            file.write("drawing: bracket.dxf\nthickness_mm: 3\npick_poses:\n  - {name: arm, face: front, "
+                       "position_mm: [46, 17, 0], rpy_deg: [180, 0, 90]}\n")
+        self.addCleanup(os.remove, os.path.join(self.parts, "crosswise.yaml"))
+        self.comes_true(lambda: "crosswise" in self.list_parts("fingers"))
+        crosswise = response_of("fingers", "crosswise")
+        self.assertEqual(crosswise.parts, [])
+        self.assertIn("the part itself", " ".join(r.text for r in crosswise.refused if r.reason == RefusedPart.NO_ROOM))
         self.assertGreater(without_room("wary_pins"), without_room("pins"))
 
     # --- the region --------------------------------------------------------------------------------

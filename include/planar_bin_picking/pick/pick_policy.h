@@ -77,7 +77,7 @@ enum class PickRefusal {
   kOccluded,        ///< visible share below visible_min, or no pick pose that nothing covers
   kTilt,            ///< steeper than tilt_max_deg
   kWall,            ///< at each of its pick poses the tool would touch the bin's wall
-  kNoRoom,          ///< at each of them it would touch another part, or what nobody knows
+  kNoRoom,          ///< at each of them it would touch another part, this one, or what nobody knows
   kFailedBefore,    ///< failures_max picks failed, and nothing has changed about it since
   kOutside,         ///< outside of the asked distances or of the bin's box
   kNoPickPose,      ///< its file has pick poses, none of them for the face that is up
@@ -184,10 +184,14 @@ class PickPolicy {
   std::optional<Refused> dropBarred(const std::vector<PickCandidate>& candidates,
                                     const std::optional<PickBin>& bin,
                                     PickPlan::Offer* offer) const;
-  /// Why the tool cannot go to a pick pose, if so: kWall, kOccluded or kNoRoom.
-  std::optional<PickRefusal> barAt(const std::vector<PickCandidate>& candidates,
-                                   const std::optional<PickBin>& bin, std::size_t candidate,
-                                   std::size_t pick) const;
+  struct Bar {
+    PickRefusal reason;  ///< kWall, kOccluded or kNoRoom
+    std::string text;
+  };
+  /// Why the tool cannot go to a pick pose, if so.
+  std::optional<Bar> barAt(const std::vector<PickCandidate>& candidates,
+                           const std::optional<PickBin>& bin, std::size_t candidate,
+                           std::size_t pick) const;
   /// @param barred  of dropBarred()
   std::optional<Refused> refusal(const PickCandidate& candidate, const std::optional<PickBin>& bin,
                                  const PickPlan::Offer& offer,

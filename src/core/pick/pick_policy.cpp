@@ -183,57 +183,58 @@ int PickPolicy::recall(const PickCandidate& candidate) {
   return 0;
 }
 
-std::optional<PickRefusal> PickPolicy::barAt(const std::vector<PickCandidate>& candidates,
-                                             const std::optional<PickBin>& bin,
-                                             std::size_t candidate, std::size_t pick) const {
+std::optional<PickPolicy::Bar> PickPolicy::barAt(const std::vector<PickCandidate>& candidates,
+                                                 const std::optional<PickBin>& bin,
+                                                 std::size_t candidate, std::size_t pick) const {
   const PickCandidate& own = candidates[candidate];
   const PickTool tool = toolOf(own);
   const double radius = *tool.radius, room = radius + params_.wall_clearance;
   const Eigen::Isometry3d& T_target_pick = own.T_target_pick[pick];
   if (radius > 0.0 && bin && !toolIsFree(T_target_pick, *bin, room, *tool.height, own.approach))
-    return PickRefusal::kWall;
-  if (bodies_.empty()) {
-    const bool is_covered = radius > 0.0 && isCovered(own.face, T_target_pick, radius);
-    return is_covered ? std::optional(PickRefusal::kOccluded) : std::nullopt;
-  }
+    return Bar{PickRefusal::kWall,
+               format("a tool of radius %.3f m would touch the bin's wall", radius)};
+  if (radius > 0.0 && isCovered(own.face, T_target_pick, radius))
+    return Bar{PickRefusal::kOccluded,
+               format("something lies where a tool of radius %.3f m would go", radius)};
+  if (bodies_.empty()) return std::nullopt;
+  if (own.model &&
+      touchesOwnPart(bodies_, *own.model, own.face.T_target_part.inverse() * T_target_pick))
+    return Bar{PickRefusal::kNoRoom,
+               "the tool would touch the part itself: open its fingers wider (pick/tool_boxes), or "
+               "move or turn the pick pose"};
   const ToolWay in_bin{bodies_, T_target_pick, own.approach, params_.wall_clearance};
-  if (bin && touchesBin(in_bin, *bin)) return PickRefusal::kWall;
-  if (radius > 0.0 && isCovered(own.face, T_target_pick, radius)) return PickRefusal::kOccluded;
+  if (bin && touchesBin(in_bin, *bin))
+    return Bar{PickRefusal::kWall, "the tool would touch the bin's wall or its floor"};
   const ToolWay way{bodies_, T_target_pick, own.approach, params_.tool_clearance};
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const PickCandidate& other = candidates[i];
     if (i != candidate && other.model && touchesPart(way, {other.model, other.face.T_target_part}))
-      return PickRefusal::kNoRoom;
+      return Bar{PickRefusal::kNoRoom, "the tool would touch another part, " + other.part};
   }
   const bool is_strange = params_.tool_edges > 0.0 && pick < own.strange_edges.size() &&
                           own.strange_edges[pick] > params_.tool_edges;
-  return is_strange ? std::optional(PickRefusal::kNoRoom) : std::nullopt;
+  if (!is_strange) return std::nullopt;
+  return Bar{PickRefusal::kNoRoom,
+             format("the tool would touch something that nobody knows: %.0f mm of edges below it",
+                    1e3 * own.strange_edges[pick])};
 }
 
 std::optional<Refused> PickPolicy::dropBarred(const std::vector<PickCandidate>& candidates,
                                               const std::optional<PickBin>& bin,
                                               PickPlan::Offer* offer) const {
   const PickCandidate& candidate = candidates[offer->candidate];
-  std::map<PickRefusal, int> bars;
+  std::map<PickRefusal, std::string> bars;  // of the last pick pose with it
   for (std::size_t k = 0; k < candidate.T_target_pick.size(); ++k) {
     if (const auto bar = barAt(candidates, bin, offer->candidate, k)) {
-      ++bars[*bar];
+      bars[bar->reason] = bar->text;
     } else {
       offer->picks.push_back(k);
     }
   }
   if (!offer->picks.empty() || candidate.T_target_pick.empty()) return std::nullopt;
-  const double radius = *toolOf(candidate).radius;
-  if (bars.count(PickRefusal::kOccluded) > 0)
-    return Refused{offer->candidate, PickRefusal::kOccluded,
-                   format("something lies where a tool of radius %.3f m would go", radius)};
-  if (bars.count(PickRefusal::kNoRoom) > 0)
-    return Refused{offer->candidate, PickRefusal::kNoRoom,
-                   "the tool would touch another part, or something that nobody knows"};
-  return Refused{offer->candidate, PickRefusal::kWall,
-                 bodies_.empty()
-                     ? format("a tool of radius %.3f m would touch the bin's wall", radius)
-                     : std::string("the tool would touch the bin's wall or its floor")};
+  for (const auto reason : {PickRefusal::kOccluded, PickRefusal::kNoRoom, PickRefusal::kWall})
+    if (bars.count(reason) > 0) return Refused{offer->candidate, reason, bars[reason]};
+  return std::nullopt;  // there is no other bar
 }
 
 std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,

@@ -173,6 +173,17 @@ bool touchesPart(const ToolWay& way, const LyingPart& other) {
   return false;
 }
 
+bool touchesOwnPart(const std::vector<ToolBody>& bodies, const PartModel& part,
+                    const Eigen::Isometry3d& T_part_pick) {
+  constexpr double kPressed = 0.0015;  // metres; so far a cup is pressed on
+  std::vector<ToolBody> beside;
+  for (const ToolBody& body : bodies)
+    if (body.high > kPressed) beside.push_back(body);
+  const LyingPart own{std::shared_ptr<const PartModel>(std::shared_ptr<void>(), &part),
+                      Eigen::Isometry3d::Identity()};
+  return touchesPart({beside, T_part_pick, 0.0, 0.0}, own);
+}
+
 StrangeEdges::StrangeEdges(const cv::Mat& image, const Camera& camera,
                            const std::vector<Seen>& parts) {
   constexpr int kThreads = 1;

@@ -186,10 +186,17 @@ std::uint8_t reasonOf(const PickRefusal reason) {
 
 }  // namespace
 
+std::vector<planar_bin_picking::ToolBody> PickKeeper::bodiesOf(const Call& call) const {
+  if (call.params)
+    return planar_bin_picking::toolBodies(call.params->tool_boxes, call.params->tool_cylinders);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return policy_.bodies();
+}
+
 PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const Call& call,
                                       const Publish& publish) {
   std::vector<Entry> entries = entriesOf(answer, frames);
-  addStrangeEdges(answer, policy_.bodies(), frames, &entries);
+  addStrangeEdges(answer, bodiesOf(call), frames, &entries);
   std::vector<PickCandidate> candidates;
   for (const Entry& entry : entries) candidates.push_back(entry.candidate);
 

@@ -79,6 +79,8 @@ class PickKeeper {
     SteadyTime received;  ///< when its image came
     std::vector<Kept> parts;
   };
+  /// The tool of a call: another one may be served at the same time.
+  std::vector<planar_bin_picking::ToolBody> bodiesOf(const Call& call) const;
   struct Found {
     std::list<Open>::iterator answer;
     std::vector<Kept>::iterator part;
@@ -90,7 +92,7 @@ class PickKeeper {
   std::optional<Found> find(const std::string& caller,
                             const planar_bin_picking::ReportPick::Request& request);
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   planar_bin_picking::PickPolicy policy_;
   std::list<Open> open_;      ///< the latest first
   SteadyTime scene_changed_;  ///< when a part was last picked

@@ -32,6 +32,17 @@ Eigen::Isometry3d lyingAt(double x, double y, double z) {
   return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
 }
 
+PickCandidate candidateAt(double x) {
+  PickCandidate candidate;
+  candidate.part = "plate";
+  candidate.model = plate();
+  candidate.center = Eigen::Vector3d(x, 0, 0.003);
+  candidate.score = candidate.visible_fraction = 1.0;
+  candidate.T_target_pick = {downAt(x, 0, 0.003)};
+  candidate.face.T_target_part = lyingAt(x, 0, 0.003);
+  return candidate;
+}
+
 TEST(ToolRoom, ReadsBoxesAndCylinders) {
   const auto bodies = toolBodies(kFingers, {0.0, 0.1, 0.02, -0.05, 0.0});
   ASSERT_EQ(bodies.size(), 3u);
@@ -80,6 +91,33 @@ TEST(ToolRoom, AHoleIsRoom) {
       touchesPart({pin, downAt(0.003, 0, 0.003), 0.0, 0.0}, {plate(), lyingAt(0, 0, 0.003)}));
 }
 
+TEST(ToolRoom, ThePartItselfHasToFitBetweenTheFingers) {
+  const auto part = plate();
+  const Eigen::Isometry3d along = downAt(0, 0, 0);
+  const Eigen::Isometry3d across =
+      along * Eigen::AngleAxisd(0.5 * EIGEN_PI, Eigen::Vector3d::UnitZ());
+  EXPECT_FALSE(touchesOwnPart(toolBodies(kFingers, {}), *part, along));  // opened by 50 mm
+  const std::vector<double> narrow = {-0.02, -0.01, -0.055, -0.012, 0.01, 0.005,
+                                      0.012, -0.01, -0.055, 0.02,   0.01, 0.005};
+  EXPECT_TRUE(touchesOwnPart(toolBodies(narrow, {}), *part, along));    // by 24 mm, for 40
+  EXPECT_FALSE(touchesOwnPart(toolBodies(narrow, {}), *part, across));  // for 20
+  const auto cup = toolBodies({}, {0.012, 0.0, 0.004, -0.05, 0.001});
+  EXPECT_FALSE(touchesOwnPart(cup, *part, along));  // pressed on by a millimetre
+  // The policy leaves such a pick pose out, and says why where no other is left.
+  PickParams params;
+  params.tool_boxes = narrow;
+  PickPolicy policy(params);
+  PickCandidate candidate = candidateAt(0.0);
+  const auto refused = policy.plan({candidate}, std::nullopt).refused;
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].reason, PickRefusal::kNoRoom);
+  EXPECT_NE(refused[0].text.find("the part itself"), std::string::npos) << refused[0].text;
+  candidate.T_target_pick.push_back(candidate.T_target_pick[0] * along.inverse() * across);
+  const auto turned = policy.plan({candidate}, std::nullopt);
+  ASSERT_EQ(turned.offers.size(), 1u);
+  EXPECT_EQ(turned.offers[0].picks, std::vector<std::size_t>{1});
+}
+
 TEST(ToolRoom, WallsAndFloorBarIt) {
   PickBin bin;
   bin.min = Eigen::Vector3d(-0.2, -0.15, 0.0);
@@ -104,17 +142,6 @@ TEST(ToolRoom, WallsAndFloorBarIt) {
   const auto short_rod = toolBodies({}, {0.0, 0.0, 0.005, -0.01, 0.0});
   EXPECT_FALSE(touchesBin({short_rod, leaning(0.185, 0.01), 0.0, 0.0}, bin));
   EXPECT_TRUE(touchesBin({short_rod, leaning(0.185, 0.01), 0.02, 0.0}, bin));
-}
-
-PickCandidate candidateAt(double x) {
-  PickCandidate candidate;
-  candidate.part = "plate";
-  candidate.model = plate();
-  candidate.center = Eigen::Vector3d(x, 0, 0.003);
-  candidate.score = candidate.visible_fraction = 1.0;
-  candidate.T_target_pick = {downAt(x, 0, 0.003)};
-  candidate.face.T_target_part = lyingAt(x, 0, 0.003);
-  return candidate;
 }
 
 TEST(ToolRoom, TheWayFromTheApproachIsLookedAt) {
