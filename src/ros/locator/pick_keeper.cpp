@@ -218,6 +218,7 @@ PickKeeper::Offered PickKeeper::offer(Answer answer, const Frames& frames, const
   answer.refused = offered.refused;
   answer.T_target_camera = frames.T_target_camera;
   answer.tool_radius = policy_.params().tool_radius;
+  answer.tool_bodies = policy_.bodies();
   answer.located.clear();
   answer.result.detections.clear();
   for (const auto& offer : plan.offers) {

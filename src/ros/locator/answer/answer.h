@@ -7,6 +7,7 @@
 #include "input/image_inbox.h"
 #include "planar_bin_picking/image/camera.h"
 #include "planar_bin_picking/locate/locator.h"
+#include "planar_bin_picking/pick/tool_room.h"
 
 #include <planar_bin_picking/LocatedPart.h>
 #include <planar_bin_picking/RefusedPart.h>
@@ -49,6 +50,7 @@ struct Answer {
   std::vector<planar_bin_picking::Detection> refused_detections = {};
   Eigen::Isometry3d T_target_camera = Eigen::Isometry3d::Identity();  ///< at the image's stamp
   double tool_radius = 0.0;  ///< metres, where a part's file names no other
+  std::vector<planar_bin_picking::ToolBody> tool_bodies = {};
   /// Of bin and region, camera frame: they are drawn into the picture.
   std::vector<std::vector<Eigen::Vector3d>> outlines = {};
   /// Of an answer to RefinePart, one for each of `parts`: what it takes the place of. Whatever else

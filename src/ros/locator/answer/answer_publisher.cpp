@@ -168,10 +168,12 @@ std::shared_ptr<const Answer> AnswerPublisher::publish(Answer answer) {
   list.parts = answer.located;
   list.parts.insert(list.parts.end(), listed_.begin(), listed_.end());
   listed_ = list.parts;
-  listed_kinds_.insert(listed_kinds_.begin(), answer.parts.begin(), answer.parts.end());
+  for (const auto& part : answer.parts)
+    if (std::find(listed_kinds_.begin(), listed_kinds_.end(), part) == listed_kinds_.end())
+      listed_kinds_.insert(listed_kinds_.begin(), part);
   list_.publish(list);
-  markers_.publish(
-      makeMarkers({answer.header, listed_, answer.refused, listed_kinds_, answer.tool_radius}));
+  markers_.publish(makeMarkers({answer.header, listed_, answer.refused, listed_kinds_,
+                                answer.tool_radius, answer.tool_bodies}));
 
   latest_ = std::make_shared<const Answer>(std::move(answer));
   pnh_.getCallbackQueue()->addCallback(boost::make_shared<Draw>(this),

@@ -97,6 +97,29 @@ Marker makeTool(Marker marker, const Eigen::Isometry3d& T_header_pick, const dou
   return marker;
 }
 
+/// Fingers, cups: what pick/tool_boxes and tool_cylinders say of the tool, at a pick pose.
+Marker makeBodies(Marker marker, const Eigen::Isometry3d& T_header_pick,
+                  const std::vector<planar_bin_picking::ToolBody>& bodies) {
+  marker.type = Marker::TRIANGLE_LIST;
+  marker.pose = toPoseMsg(T_header_pick);
+  marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
+  const auto add = [&](const Eigen::Vector2d& p, const double z) {
+    marker.points.push_back(toPointMsg({p.x(), p.y(), z}));
+  };
+  for (const auto& body : bodies) {
+    const auto& ring = body.footprint;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Eigen::Vector2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
+      add(a, body.low), add(b, body.low), add(b, body.high);
+      add(a, body.low), add(b, body.high), add(a, body.high);
+      if (i == 0 || i + 1 == ring.size()) continue;
+      add(ring[0], body.high), add(a, body.high), add(b, body.high);
+      add(ring[0], body.low), add(b, body.low), add(a, body.low);
+    }
+  }
+  return marker;
+}
+
 /// Adds one marker after the other, numbered within each namespace.
 class Shown {
  public:
@@ -119,8 +142,11 @@ class Shown {
         kWord);
     const double radius = part.file().tool.radius.value_or(display_.tool_radius);
     for (const auto& pick : located.picks) add(makePick(marker("pick"), fromMsg(pick.pose)), kPick);
-    if (radius > 0.0 && !located.picks.empty())
-      add(makeTool(marker("tool"), fromMsg(located.picks.front().pose), radius), kTool);
+    if (located.picks.empty()) return;
+    const Eigen::Isometry3d T_header_pick = fromMsg(located.picks.front().pose);
+    if (radius > 0.0) add(makeTool(marker("tool"), T_header_pick, radius), kTool);
+    if (!display_.tool_bodies.empty())
+      add(makeBodies(marker("tool_bodies"), T_header_pick, display_.tool_bodies), kTool);
   }
 
   void refused(const planar_bin_picking::RefusedPart& refused) {

@@ -6,6 +6,7 @@
 /// reason what is not offered, and the tool at each pick pose.
 
 #include "planar_bin_picking/part/part_model.h"
+#include "planar_bin_picking/pick/tool_room.h"
 
 #include <planar_bin_picking/LocatedPart.h>
 #include <planar_bin_picking/RefusedPart.h>
@@ -23,10 +24,12 @@ struct Display {
   std::vector<planar_bin_picking::RefusedPart> refused;
   std::vector<planar_bin_picking::PartPtr> parts;  ///< all that these name
   double tool_radius = 0.0;                        ///< metres, where a part's file names no other
+  std::vector<planar_bin_picking::ToolBody> tool_bodies = {};  ///< on top of that cylinder
 };
 
 /// The first marker deletes those of the answer before. Namespaces: `solid`, `outline` and `name`
-/// of what is offered, `refused`, `refused_outline` and `reason` of the rest, `pick` and `tool`.
+/// of what is offered, `refused`, `refused_outline` and `reason` of the rest, `pick`, `tool` and
+/// `tool_bodies`.
 visualization_msgs::MarkerArray makeMarkers(const Display& display);
 
 }  // namespace planar_bin_picking_ros

@@ -124,6 +124,18 @@ TEST(Display, ToolsStandAtThePickPoses) {
   EXPECT_DOUBLE_EQ(of("tool", array).front().scale.x, 0.04);
   EXPECT_GT(of("tool", array).front().pose.position.z, 0.9);
   EXPECT_TRUE(of("tool", makeMarkers({base(), {located}, {}, {makePart()}, 0.0})).empty());
+  EXPECT_TRUE(of("tool_bodies", array).empty());
+  // A finger as a body: four walls and two ends, in the tool's frame.
+  const auto bodies = planar_bin_picking::toolBodies({0.01, 0.0, -0.05, 0.02, 0.01, 0.005}, {});
+  const auto fingers =
+      of("tool_bodies", makeMarkers({base(), {located}, {}, {makePart()}, 0.0, bodies}));
+  ASSERT_EQ(fingers.size(), 1u);
+  EXPECT_EQ(fingers[0].points.size(), 3u * (4 * 2 + 2 * 2));
+  EXPECT_NEAR(fingers[0].pose.position.z, 0.9, 1e-9);
+  for (const auto& p : fingers[0].points) {
+    EXPECT_TRUE(p.x == 0.01 || p.x == 0.02);
+    EXPECT_TRUE(p.z == -0.05 || p.z == 0.005);
+  }
 }
 
 }  // namespace
