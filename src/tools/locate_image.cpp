@@ -263,6 +263,19 @@ std::vector<Looked> lookAgain(const cv::Mat& image, const Camera& camera,
   return looked;
 }
 
+/// The legend, and the pick poses for the faces that are up.
+OverlayMore besides(const std::vector<PartPtr>& parts, const std::vector<Detection>& detections) {
+  OverlayMore more;
+  more.has_legend = true;
+  for (const Detection& detection : detections) {
+    const FaceFilter up = detection.face == Face::kFront ? FaceFilter::kFront : FaceFilter::kBack;
+    for (const PickPose& pick : parts[detection.part]->pickPoses())
+      if (pick.face == up || pick.face == FaceFilter::kAny)
+        more.T_camera_pick.push_back(detection.T_camera_part * pick.T_part_pick);
+  }
+  return more;
+}
+
 /// What is located, out of the options or out of a snapshot.
 struct Task {
   cv::Mat image;
@@ -323,7 +336,8 @@ int run(const CLI::App& app, const Options& options) {
   }
   if (!options.overlay.empty() &&
       !cv::imwrite(options.overlay,
-                   drawOverlay(task.image, task.camera, task.request.parts, result.detections))) {
+                   drawOverlay(task.image, task.camera, task.request.parts, result.detections,
+                               besides(task.request.parts, result.detections)))) {
     throw std::runtime_error(options.overlay +
                              ": cannot be written; check the path and its permissions");
   }

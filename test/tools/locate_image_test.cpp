@@ -61,7 +61,13 @@ TEST_F(LocateImage, WritesTableResultAndOverlay) {
   EXPECT_LE(before, 1.0);
   EXPECT_NE(out_.find("bracket"), std::string::npos);
   EXPECT_NE(out_.find("locate"), std::string::npos);
-  EXPECT_EQ(cv::imread(overlay).size(), cv::Size(2448, 2048));
+  const cv::Mat picture = cv::imread(overlay);
+  EXPECT_EQ(picture.size(), cv::Size(2448, 2048));
+  // The lower left corner, where nothing is found: the legend's green patch.
+  cv::Mat green;
+  cv::inRange(picture(cv::Rect(0, 1748, 400, 300)), cv::Scalar(80, 220, 60),
+              cv::Scalar(80, 220, 60), green);
+  EXPECT_GT(cv::countNonZero(green), 100);
 }
 
 TEST_F(LocateImage, FindsNothingInAnEmptyBinAndSaysSo) {

@@ -22,7 +22,7 @@ const cv::Scalar kOcclusionColor(60, 60, 230);                            // red
 const cv::Scalar kRefusedColor(170, 170, 170), kPickColor(255, 60, 255);  // grey, magenta
 const cv::Scalar kRegionColor(255, 230, 60);                              // light blue
 const cv::Scalar kDark(0, 0, 0), kLight(255, 255, 255);
-constexpr double kSmall = 0.5;  // letters of the legend
+constexpr double kSmall = 0.7;  // letters of the legend and of reasons; ranks have 1
 constexpr int kShift = 4;       ///< binary digits behind the point in OpenCV's drawing coordinates
 
 /// 8-bit colour; 16 bits are stretched so that the brightest thousandth saturates.
@@ -130,7 +130,7 @@ class Pen {
 
   /// Lines of text, each beside a patch of its colour, in the lower left corner.
   void legend(const std::vector<std::pair<std::string, cv::Scalar>>& lines) {
-    const int line = 20 * unit_, count = static_cast<int>(lines.size());
+    const int line = 24 * unit_, count = static_cast<int>(lines.size());
     int width = 0, below = 0;
     for (const auto& [text, color] : lines) {
       const auto size =
@@ -207,13 +207,16 @@ void drawPick(Pen* pen, const Eigen::Isometry3d& T_camera_pick) {
   pen->circle(T_camera_pick.translation(), 4, kPickColor);
 }
 
-void drawLegend(Pen* pen) {
-  pen->legend({{"front up, with its rank", kFrontColor},
-               {"back up, with its rank", kBackColor},
-               {"refused, with the reason", kRefusedColor},
-               {"something covers it", kOcclusionColor},
-               {"pick pose", kPickColor},
-               {"bin, region", kRegionColor}});
+/// Of what may be in the picture.
+void drawLegend(const OverlayMore& more, Pen* pen) {
+  std::vector<std::pair<std::string, cv::Scalar>> lines = {
+      {"front up, with its rank", kFrontColor},
+      {"back up, with its rank", kBackColor},
+      {"something covers it", kOcclusionColor}};
+  if (!more.refused.empty()) lines.emplace_back("refused, with the reason", kRefusedColor);
+  if (!more.T_camera_pick.empty()) lines.emplace_back("pick pose", kPickColor);
+  if (!more.outlines.empty()) lines.emplace_back("bin, region", kRegionColor);
+  pen->legend(lines);
 }
 
 /// The middle of the visible face.
@@ -260,7 +263,7 @@ cv::Mat drawOverlay(const cv::Mat& image, const Camera& camera,
     pen.label(std::to_string(rank + 1) + name, *center, colorOf(detection));
   }
   for (const Eigen::Isometry3d& T_camera_pick : more.T_camera_pick) drawPick(&pen, T_camera_pick);
-  if (more.has_legend) drawLegend(&pen);
+  if (more.has_legend) drawLegend(more, &pen);
   return canvas;
 }
 

@@ -120,6 +120,10 @@ TEST_F(OverlayTest, DrawsWhatIsRefusedAndWhereTheToolGoes) {
   more.outlines.clear();
   more.has_legend = true;
   const cv::Mat legend = drawOverlay(image_, *camera_, parts_, {}, more);
+  more.outlines = {{}};  // of which there is nothing to draw
+  EXPECT_GT(cv::norm(legend, drawOverlay(image_, *camera_, parts_, {}, more)),
+            1000.0);  // one line more
+  more.outlines.clear();
   EXPECT_EQ(cv::mean(legend(cv::Rect(320, 0, 320, 480))), cv::Scalar(90, 90, 90, 0));
   EXPECT_NE(cv::mean(legend(cv::Rect(0, 240, 320, 240))), cv::Scalar(90, 90, 90, 0));
   EXPECT_NO_THROW(drawOverlay(cv::Mat(20, 20, CV_8U, cv::Scalar(90)), *camera_, parts_, {}, more));
