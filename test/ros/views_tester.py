@@ -14,32 +14,21 @@ import rostest
 import tf2_ros
 from geometry_msgs.msg import PoseStamped
 from planar_bin_picking.msg import LocatedParts, PartLook, RefusedPart
-from planar_bin_picking.srv import (LocateBin, LocateBinResponse, LocatePart, LocatePartResponse, NextView,
-                                    NextViewResponse, RefinePart, RefinePartResponse, ReportPick, ReportPickResponse)
+from planar_bin_picking.srv import (LocatePart, LocatePartResponse, NextView, NextViewResponse, RefinePart,
+                                    RefinePartResponse, ReportPick, ReportPickResponse)
 from visualization_msgs.msg import MarkerArray
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))  # not catkin's relay of it
+from bin_cases import BinCases, HOME, matrix
 from drawn_cell import DrawnCell, rotation, shift
 
 UP = 60.0  # s, for the nodes to come up
-HOME = shift(0.0, 0.0, 0.6) @ rotation("x", 180)
 PLATES = [shift(0.05, 0.02, 0.0) @ rotation("x", 4), shift(-0.07, -0.04, 0.0) @ rotation("z", 70) @ rotation("y", 5)]
 
 
 def orbit(degrees, axis="y", about=(0.0, 0.0, 0.0)):
     """The home camera carried about a point."""
     return shift(*about) @ rotation(axis, degrees) @ shift(*numpy.negative(about)) @ HOME
-
-
-def matrix(pose):
-    q, p = pose.orientation, pose.position
-    T = numpy.eye(4)
-    x, y, z, w = q.x, q.y, q.z, q.w
-    T[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                 [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                 [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
-    T[:3, 3] = p.x, p.y, p.z
-    return T
 
 
 def place(located):
@@ -55,7 +44,7 @@ def depth_sigma(pose):
     return numpy.sqrt(pose.covariance[14])
 
 
-class Views(unittest.TestCase):
+class Views(BinCases, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.cell = DrawnCell(orbit(-30))
@@ -252,60 +241,6 @@ class Views(unittest.TestCase):
         there = self.locate("two_cameras", plates_second=PLATES[:1])
         self.assertEqual([p.views for p in there.parts], [2])
         self.assertEqual([r.reason for r in there.refused], [RefusedPart.CONTRADICTED])
-
-
-    # --- the bin -----------------------------------------------------------------------------------
-    def locate_bin(self, status, T_base_bin=None, plates=(), locator="binned", **fields):
-        self.cell.show(HOME, plates, bins=[] if T_base_bin is None else [T_base_bin])
-        answer = rospy.ServiceProxy(locator + "/locate_bin", LocateBin)(**fields)
-        self.assertEqual(answer.status, status, answer.message)
-        return answer
-
-    def test_a_bin_that_stands_otherwise_is_found(self):
-        there = shift(0.035, -0.02, 0.01) @ rotation("z", 6) @ rotation("x", 3)
-        found = self.locate_bin(LocateBinResponse.OK, there)
-        self.assertEqual(found.bin.header.frame_id, "base")
-        self.assertLess(numpy.linalg.norm(matrix(found.bin.pose) - there), 0.01)
-        self.assertLess(numpy.linalg.norm(matrix(found.bin.pose)[:3, 3] - there[:3, 3]), 0.002)
-        self.assertAlmostEqual(found.moved, 0.0415, delta=0.002)
-        self.assertAlmostEqual(numpy.degrees(found.turned), 6.0, delta=0.3)
-        self.assertAlmostEqual(numpy.degrees(found.tilted), 3.0, delta=0.5)
-        self.assertGreater(found.score, 0.6)
-        self.assertIn("41.", found.message)
-        # A plate beside the file's box, and within the bin where it stands.
-        plate = [there @ shift(0.085, 0.0, -0.01)]
-        self.cell.show(HOME, plate, bins=[there])
-        locate = rospy.ServiceProxy("binned/locate_part", LocatePart)
-        outside = locate(part="plate")
-        self.assertEqual([r.reason for r in outside.refused], [RefusedPart.OUTSIDE], outside.message)
-        self.locate_bin(LocateBinResponse.OK, there, plate, use=True)
-        published = rospy.wait_for_message("binned/bin", PoseStamped, UP)
-        self.assertLess(numpy.linalg.norm(matrix(published.pose)[:3, 3] - there[:3, 3]), 0.002)
-        self.assertEqual(locate(part="plate").status, LocatePartResponse.OK)
-        # Farther off than the cell allows: said, and not believed.
-        for far, words in ((there @ rotation("z", 6), "turned"), (there @ shift(0.03, 0, 0), "moved")):
-            self.assertIn("bin_" + words, self.locate_bin(LocateBinResponse.TOO_FAR, far, use=True).message)
-        self.cell.show(HOME, plate, bins=[there])
-        self.assertEqual(locate(part="plate").status, LocatePartResponse.OK)
-        self.locate_bin(LocateBinResponse.OK, there, plate, forget=True)
-        self.assertEqual(rospy.wait_for_message("binned/bin", PoseStamped, UP).header.frame_id, "")
-        self.assertEqual([r.reason for r in locate(part="plate").refused], [RefusedPart.OUTSIDE])
-
-    def test_no_bin_is_an_answer(self):
-        self.locate_bin(LocateBinResponse.NOT_FOUND)
-        self.locate_bin(LocateBinResponse.NOT_SET, locator="locator")
-        self.locate_bin(LocateBinResponse.BAD_REQUEST, timeout=rospy.Duration(-1.0))
-        self.locate_bin(LocateBinResponse.NO_IMAGE, not_before=rospy.Time.now() + rospy.Duration(60),
-                        timeout=rospy.Duration(0.3))
-        self.cell.show(HOME, [], K=[0.0] * 9)
-        call = rospy.ServiceProxy("binned/locate_bin", LocateBin)
-        self.assertEqual(call().status, LocateBinResponse.BAD_CAMERA_INFO)
-        self.cell.show(HOME, [], encoding="32FC1")
-        self.assertEqual(call().status, LocateBinResponse.BAD_IMAGE)
-        self.cell.show(HOME, [], frame_id="nowhere")
-        self.assertEqual(call().status, LocateBinResponse.NO_TRANSFORM)
-        self.cell.show(shift(0.0, 0.0, -0.6) @ rotation("x", 180), [])  # the rim is behind it
-        self.assertEqual(call().status, LocateBinResponse.BAD_BIN)
 
 
 if __name__ == "__main__":

@@ -31,6 +31,9 @@ struct FoundBin {
   bool is_within = false;  ///< the limits
 };
 
+/// How far that is from where it is said to stand; score 0.
+FoundBin foundAt(const BinSearch& search, const Eigen::Isometry3d& T_told_found);
+
 /// The rim as a part: its z = 0 is the bin's top, its x and y are the bin's.
 /// @throws std::invalid_argument  a box without a size, walls without one
 PartFile rimOf(const BinSearch& search);

@@ -42,21 +42,6 @@ Distances distancesTo(const BinSearch& search) {
   return range;
 }
 
-FoundBin foundAt(const BinSearch& search, const Eigen::Isometry3d& T_told_found) {
-  FoundBin found;
-  found.T_told_found = T_told_found;
-  const Eigen::Vector2d middle = 0.5 * (search.told.min + search.told.max).head<2>();
-  const Eigen::Vector3d rim(middle.x(), middle.y(), search.told.max.z());
-  found.moved = (T_told_found * rim - rim).norm();
-  const Eigen::Matrix3d R = T_told_found.linear();
-  found.turned_deg = std::atan2(R(1, 0), R(0, 0)) / kDegrees;
-  found.tilted_deg = std::acos(std::clamp(R(2, 2), -1.0, 1.0)) / kDegrees;
-  found.is_within = found.moved <= search.moved_max &&
-                    std::abs(found.turned_deg) <= search.turned_max_deg &&
-                    found.tilted_deg <= search.tilted_max_deg;
-  return found;
-}
-
 /// Of the poses in which the rim looks the same, the one that is turned least.
 FoundBin nearest(const BinSearch& search, const PartModel& rim, const Detection& detection) {
   const Symmetry& symmetry = rim.symmetry();
@@ -77,6 +62,21 @@ FoundBin nearest(const BinSearch& search, const PartModel& rim, const Detection&
 }
 
 }  // namespace
+
+FoundBin foundAt(const BinSearch& search, const Eigen::Isometry3d& T_told_found) {
+  FoundBin found;
+  found.T_told_found = T_told_found;
+  const Eigen::Vector2d middle = 0.5 * (search.told.min + search.told.max).head<2>();
+  const Eigen::Vector3d rim(middle.x(), middle.y(), search.told.max.z());
+  found.moved = (T_told_found * rim - rim).norm();
+  const Eigen::Matrix3d R = T_told_found.linear();
+  found.turned_deg = std::atan2(R(1, 0), R(0, 0)) / kDegrees;
+  found.tilted_deg = std::acos(std::clamp(R(2, 2), -1.0, 1.0)) / kDegrees;
+  found.is_within = found.moved <= search.moved_max &&
+                    std::abs(found.turned_deg) <= search.turned_max_deg &&
+                    found.tilted_deg <= search.tilted_max_deg;
+  return found;
+}
 
 PartFile rimOf(const BinSearch& search) {
   const Eigen::Vector3d size = search.told.max - search.told.min;

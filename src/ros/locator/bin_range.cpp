@@ -35,7 +35,8 @@ std::vector<Eigen::Vector3d> outlineOf(const Answer& answer, const Detection& de
 }  // namespace
 
 BinFinder::Settings binSettings(const CellParams& cell) {
-  BinFinder::Settings settings{cell.bin_frame, cell.target_frame, {}};
+  BinFinder::Settings settings{
+      cell.bin_frame, cell.target_frame, {}, Eigen::Isometry3d::Identity()};
   if (!cell.hasBin()) return settings;
   settings.search.told.min = Eigen::Vector3d(cell.bin_min.data());
   settings.search.told.max = Eigen::Vector3d(cell.bin_max.data());
@@ -43,7 +44,27 @@ BinFinder::Settings binSettings(const CellParams& cell) {
   settings.search.moved_max = cell.bin_moved_max;
   settings.search.turned_max_deg = cell.bin_turned_max_deg;
   settings.search.tilted_max_deg = cell.bin_tilted_max_deg;
+  settings.T_told_found = foundBin(cell);
   return settings;
+}
+
+Eigen::Isometry3d foundBin(const CellParams& cell) {
+  const std::vector<double>& found = cell.bin_found;
+  if (found.empty()) return Eigen::Isometry3d::Identity();
+  const Eigen::Quaterniond turn(found[6], found[3], found[4], found[5]);
+  return Eigen::Translation3d(found[0], found[1], found[2]) * turn.normalized();
+}
+
+std::vector<double> foundBin(const Eigen::Isometry3d& T_told_found) {
+  if (T_told_found.matrix() == Eigen::Matrix4d::Identity()) return {};
+  const Eigen::Vector3d p = T_told_found.translation();
+  const Eigen::Quaterniond q(T_told_found.linear());
+  return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+planar_bin_picking::RegionOutline floorOf(const CellParams& cell) {
+  const auto &min = cell.bin_min, &max = cell.bin_max;
+  return planar_bin_picking::regionOutline(std::vector<double>{min[0], min[1], max[0], max[1]});
 }
 
 DistanceRange distanceRange(const CellParams& cell, const Eigen::Isometry3d& T_camera_bin) {
@@ -129,12 +150,7 @@ void addOutlines(const CellParams& cell, const std::optional<Eigen::Isometry3d>&
       answer->outlines.back().push_back(T_camera_outline * Eigen::Vector3d(p.x(), p.y(), z));
   };
   if (T_camera_bin) {
-    const auto& min = cell.bin_min;
-    const auto& max = cell.bin_max;
-    const auto box =
-        planar_bin_picking::regionOutline(std::vector<double>{min[0], min[1], max[0], max[1]});
-    add(box, min[2], *T_camera_bin);
-    add(box, max[2], *T_camera_bin);
+    for (const double z : {cell.bin_min[2], cell.bin_max[2]}) add(floorOf(cell), z, *T_camera_bin);
   }
   add(region.region.metres, 0.0, region.T_region_camera.inverse());
   if (region.region.pixels.empty()) return;

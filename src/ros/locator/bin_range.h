@@ -13,11 +13,20 @@
 #include <Eigen/Geometry>
 
 #include <optional>
+#include <vector>
 
 namespace planar_bin_picking_ros {
 
 /// What the search for the bin's rim goes by.
 BinFinder::Settings binSettings(const CellParams& cell);
+
+/// T_told_found: the bin as ~locate_bin found it, from where its frame is.
+Eigen::Isometry3d foundBin(const CellParams& cell);
+/// As the cell's parameters have it; empty for the identity.
+std::vector<double> foundBin(const Eigen::Isometry3d& T_told_found);
+
+/// The bin's inner space from above, bin frame.
+planar_bin_picking::RegionOutline floorOf(const CellParams& cell);
 
 struct DistanceRange {
   double min = 0.0, max = 0.0;  ///< metres

@@ -47,7 +47,7 @@ Standing CellFrames::at(const CellParams& cell, const std_msgs::Header& image,
   Standing standing;
   standing.pick.T_target_camera = fromCamera(target).inverse();
   if (cell.hasBin()) {
-    standing.T_camera_bin = fromCamera(cell.bin_frame) * binFromTold();
+    standing.T_camera_bin = fromCamera(cell.bin_frame) * foundBin(cell);
     standing.pick.bin.emplace();
     standing.pick.bin->T_bin_target =
         (standing.pick.T_target_camera * *standing.T_camera_bin).inverse();
@@ -74,16 +74,6 @@ LocateRequest CellFrames::request(const CellParams& cell, const Standing& standi
   if (standing.T_camera_plane)
     request.plane = planeOfFrame(cell.plane_frame, *standing.T_camera_plane);
   return request;
-}
-
-void CellFrames::useBin(const Eigen::Isometry3d& T_told_found) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  T_told_found_ = T_told_found;
-}
-
-Eigen::Isometry3d CellFrames::binFromTold() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return T_told_found_;
 }
 
 void checkFlange(const geometry_msgs::TransformStamped& flange) {

@@ -15,7 +15,6 @@
 
 #include <Eigen/Geometry>
 
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -52,13 +51,7 @@ class CellFrames {
   /// @throws Refusal  BAD_BIN, BAD_PLANE
   planar_bin_picking::LocateRequest request(const CellParams& cell, const Standing& standing) const;
 
-  /// The bin stands so from where tf has it.
-  void useBin(const Eigen::Isometry3d& T_told_found);
-  Eigen::Isometry3d binFromTold() const;  ///< T_told_found
-
  private:
-  mutable std::mutex mutex_;
-  Eigen::Isometry3d T_told_found_ = Eigen::Isometry3d::Identity();
   const double tf_timeout_;
   const TransformBuffer& buffer_;
 };

@@ -252,9 +252,9 @@ PickKeeper::Offered LocatorRos::offer(Answer answer, const PickKeeper::Frames& f
 
 void LocatorRos::showCell(const CellParams& cell) {
   if (cell.hasBin()) {
-    scene_.show("bin", binMarkers(cell.bin_frame, cell_frames_.binFromTold(),
-                                  Eigen::Vector3d(cell.bin_min.data()),
-                                  Eigen::Vector3d(cell.bin_max.data())));
+    scene_.show("bin",
+                binMarkers(cell.bin_frame, foundBin(cell), Eigen::Vector3d(cell.bin_min.data()),
+                           Eigen::Vector3d(cell.bin_max.data())));
   }
   if (!cell.plane_frame.empty()) scene_.show("plane", planeMarkers(cell.plane_frame));
 }
@@ -284,7 +284,7 @@ PictureHost LocatorRos::pictureHost() {
 
 BinFinder::Host LocatorRos::binHost() {
   const auto use = [this](const Eigen::Isometry3d& T_told_found) {
-    cell_frames_.useBin(T_told_found);
+    tuning_.useBin(foundBin(T_told_found));
     showCell(tuning_.current()->cell);
   };
   return {pictureHost(), [this] { return binSettings(tuning_.current()->cell); }, use,

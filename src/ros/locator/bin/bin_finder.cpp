@@ -25,10 +25,13 @@ namespace {
 constexpr double kDegrees = M_PI / 180.0;
 constexpr double kLongestWait = 3600.0;  // s, as LocatePart's
 
+/// What an operator has to know of a change.
+constexpr char kKeep[] = "; ~save_parameters keeps that beyond a restart";
+
 std::string describe(const FoundBin& found) {
   char text[120];
   std::snprintf(text, sizeof text,
-                "the bin stands %.1f mm from where the file has it, turned by %.2f and tilted by "
+                "the bin stands %.1f mm from where bin_frame is, turned by %.2f and tilted by "
                 "%.2f degrees",
                 1e3 * found.moved, found.turned_deg, found.tilted_deg);
   return text;
@@ -40,7 +43,27 @@ BinFinder::BinFinder(Host host, const ros::NodeHandle& call_pnh) : host_(std::mo
   ros::NodeHandle pnh(call_pnh);
   constexpr bool kLatch = true;
   topic_ = pnh.advertise<geometry_msgs::PoseStamped>(kBinTopic, 1, kLatch);
+  begin();
   service_ = pnh.advertiseService(kLocateBinService, &BinFinder::serve, this);
+}
+
+void BinFinder::begin() {
+  const Settings settings = host_.settings();
+  if (settings.T_told_found.matrix() == Eigen::Matrix4d::Identity()) return;
+  const FoundBin found = planar_bin_picking::foundAt(settings.search, settings.T_told_found);
+  if (!found.is_within) {
+    throw std::invalid_argument("~cell/bin_found: " + describe(found) +
+                                ", and bin_moved_max, bin_turned_max_deg and bin_tilted_max_deg "
+                                "allow less: delete it, and find the bin anew with ~locate_bin");
+  }
+  ROS_WARN_STREAM("~cell/bin_found: "
+                  << describe(found) << ". Where it has been put back since, call ~"
+                  << kLocateBinService << " with forget: true, and ~" << kSaveParametersService);
+  geometry_msgs::PoseStamped bin;
+  bin.header.frame_id = settings.bin_frame;
+  bin.header.stamp = ros::Time::now();
+  bin.pose = toPoseMsg(settings.T_told_found);
+  topic_.publish(bin);
 }
 
 bool BinFinder::serve(Request& request, Response& response) {
@@ -87,7 +110,7 @@ void BinFinder::answer(const Request& request, Response* response) {
   if (request.forget) {
     host_.use(Eigen::Isometry3d::Identity());
     topic_.publish(geometry_msgs::PoseStamped());  // the one before no longer holds
-    response->message = "the bin stands where the cell's file has it";
+    response->message = "the bin stands where bin_frame is" + std::string(kKeep);
     return;
   }
   const Frame frame = host_.await(request.not_before, request.timeout);
@@ -119,7 +142,7 @@ void BinFinder::answer(const Request& request, Response* response) {
   if (!request.use) return;
   host_.use(found->T_told_found);
   topic_.publish(response->bin);
-  response->message += "; that is where it is from now on";
+  response->message += "; that is where it is from now on" + std::string(kKeep);
 }
 
 }  // namespace planar_bin_picking_ros

@@ -29,6 +29,8 @@ class BinFinder {
   struct Settings {
     std::string bin_frame, target_frame;
     planar_bin_picking::BinSearch search;  ///< but for T_camera_bin
+    /// Where it was found before, and is in force.
+    Eigen::Isometry3d T_told_found = Eigen::Isometry3d::Identity();
   };
   /// What it needs of the locator.
   struct Host : PictureHost {
@@ -40,6 +42,7 @@ class BinFinder {
   };
 
   /// @param call_pnh  its queue serves calls
+  /// @throws std::invalid_argument  the bin in force is farther off than the limits allow
   BinFinder(Host host, const ros::NodeHandle& call_pnh);
   void close() { service_.shutdown(); }
 
@@ -49,6 +52,8 @@ class BinFinder {
 
   bool serve(Request& request, Response& response);
   void answer(const Request& request, Response* response);
+  /// What a former process has found is in force.
+  void begin();
   std::optional<planar_bin_picking::FoundBin> find(const Frame& frame, const Settings& settings);
 
   const Host host_;

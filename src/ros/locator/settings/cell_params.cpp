@@ -27,6 +27,21 @@ void validateBox(const CellParams& params) {
   }
 }
 
+void validateFoundBin(const CellParams& params) {
+  const std::vector<double>& found = params.bin_found;
+  if (found.empty()) return;
+  double length2 = 0.0;
+  bool is_pose = found.size() == 7;
+  for (std::size_t i = 0; is_pose && i < found.size(); ++i) {
+    is_pose = std::isfinite(found[i]);
+    if (i >= 3) length2 += found[i] * found[i];
+  }
+  constexpr double kOff = 1e-3;  // of a unit quaternion that was rounded to four digits
+  require(is_pose && std::abs(length2 - 1.0) <= kOff,
+          "~cell/bin_found must be x, y, z and a quaternion x, y, z, w of length 1, as "
+          "~save_parameters writes it; delete it, and find the bin anew with ~locate_bin");
+}
+
 void validateNextView(const CellParams& params) {
   const auto& min = params.next_view_min;
   const auto& max = params.next_view_max;
@@ -62,12 +77,15 @@ void validate(const CellParams& params) {
           "~cell/parts_folder is not set: the folder with the drawings");
   validateNextView(params);
   validateRegion(params);
+  require(params.hasBin() || params.bin_found.empty(),
+          "~cell/bin_found is set without ~cell/bin_frame");
   const bool has_distances = params.distance_min != 0.0 || params.distance_max != 0.0;
   require(has_distances != params.hasBin(),
           "set either ~cell/distance_min and ~cell/distance_max, or ~cell/bin_frame with "
           "~cell/bin_min and ~cell/bin_max: they say where parts may lie");
   if (params.hasBin()) {
     validateBox(params);
+    validateFoundBin(params);
   } else {
     require(params.bin_min.empty() && params.bin_max.empty(),
             "~cell/bin_min or ~cell/bin_max is set without ~cell/bin_frame");

@@ -33,6 +33,9 @@ struct CellParams {
   /// known, and it is not looked for. What is farther off than these is not believed.
   double bin_wall = 0.0;
   double bin_moved_max = 0.06, bin_turned_max_deg = 10.0, bin_tilted_max_deg = 5.0;
+  /// Where ~locate_bin has found it, as seen from bin_frame: x, y, z, m, and a quaternion x, y, z,
+  /// w. Empty = where bin_frame is.
+  std::vector<double> bin_found;
   /// Where in it, or in the picture, parts may lie: x, y, x, y, ... of two corners of a box or of a
   /// polygon, metres in region_frame or pixels. "" = the bin's frame, or else the answers'. What is
   /// taught stands in region_file and takes the place of `region`.
@@ -93,6 +96,7 @@ struct CellParams {
     visit("bin_moved_max", self.bin_moved_max, 0.0, 1.0);
     visit("bin_turned_max_deg", self.bin_turned_max_deg, 0.0, 45.0);
     visit("bin_tilted_max_deg", self.bin_tilted_max_deg, 0.0, 30.0);
+    visit("bin_found", self.bin_found);
     visit("region", self.region);
     visit("region_px", self.region_px);
     visit("region_frame", self.region_frame);

@@ -67,6 +67,10 @@ std::string differences(const std::map<std::string, Number>& before,
 
 XmlRpc::XmlRpcValue asParameter(const std::string& yaml) {
   XmlRpc::XmlRpcValue value;
+  if (yaml == "[]") {
+    value.setSize(0);
+    return value;
+  }
   if (yaml.front() != '[') {
     if (yaml.find('.') == std::string::npos) return std::stoi(yaml);
     std::istringstream in(yaml);
@@ -107,6 +111,14 @@ Tuning::Tuning(Settings start, const ros::NodeHandle& nh)
 std::shared_ptr<const Settings> Tuning::current() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return current_;
+}
+
+void Tuning::useBin(std::vector<double> bin_found) {
+  const boost::recursive_mutex::scoped_lock no_change(server_mutex_);  // which change() holds, too
+  Settings settings = *current();
+  settings.cell.bin_found = std::move(bin_found);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  current_ = std::make_shared<const Settings>(std::move(settings));
 }
 
 void Tuning::change(Config& config) {

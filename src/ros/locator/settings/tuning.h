@@ -18,6 +18,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 namespace planar_bin_picking_ros {
 
@@ -26,6 +27,10 @@ class Tuning {
   /// @param nh  its callback queue serves changes and ~save_parameters
   /// @throws std::logic_error  config/Tuning.cfg names what is no parameter
   Tuning(Settings start, const ros::NodeHandle& nh);
+
+  /// The bin stands elsewhere than its frame from now on, or there again.
+  /// @param bin_found  as CellParams has it
+  void useBin(std::vector<double> bin_found);
 
   /// As they are now. Whoever holds them sees no change. Any thread.
   std::shared_ptr<const Settings> current() const;

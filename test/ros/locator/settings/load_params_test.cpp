@@ -151,6 +151,9 @@ TEST(LoadCellParams, RefusesByName) {
   EXPECT_TRUE(refused(binTree(), "distance_min", 0.5, "either"));
   EXPECT_TRUE(refused(binTree(), "bin_min", list({0, 0}), "bin_min"));
   EXPECT_TRUE(refused(binTree(), "bin_min", list({0, 0, 0.4}), "bin_min"));
+  EXPECT_TRUE(refused(binTree(), "bin_found", list({0, 0, 0, 0, 0, 1}), "bin_found"));
+  EXPECT_TRUE(refused(binTree(), "bin_found", list({0, 0, 0, 0, 0, 1, 1}), "length 1"));
+  EXPECT_TRUE(refused(cellTree(), "bin_found", list({0, 0, 0, 0, 0, 0, 1}), "bin_frame"));
   EXPECT_TRUE(refuses([] { loadCellParams(emptyTree()); }, {"parts_folder"}));
 }
 
