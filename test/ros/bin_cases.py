@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The planar_bin_picking authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Of views_tester.py: a bin that stands otherwise than tf has it."""
+"""Of views_tester.py: a bin that stands otherwise than tf has it, and a flange that is not on tf."""
 import os
 import shutil
 import subprocess
@@ -11,11 +11,12 @@ import numpy
 import roslib.packages
 import rospy
 import yaml
-from drawn_cell import rotation, shift
+from drawn_cell import T_HAND_EYE, rotation, shift, transform
 from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import PoseStamped
 from planar_bin_picking.msg import RefusedPart
-from planar_bin_picking.srv import LocateBin, LocateBinResponse, LocatePart, LocatePartResponse
+from planar_bin_picking.srv import (LocateBin, LocateBinResponse, LocatePart, LocatePartResponse, NextView,
+                                    NextViewResponse, RefinePart, RefinePartResponse)
 from std_srvs.srv import Trigger
 
 TESTS = os.path.dirname(os.path.abspath(__file__))
@@ -130,6 +131,41 @@ class BinCases:
         refused = subprocess.run([program, "__name:=kept"], capture_output=True, text=True, timeout=UP)
         self.assertNotEqual(refused.returncode, 0)
         self.assertIn("bin_found", refused.stdout + refused.stderr)
+
+    def test_a_flange_that_is_not_on_tf(self):
+        # Of the eye, tf has the way from the hand only.
+        plates = [shift(0.05, 0.02, 0.0) @ rotation("x", 4)]
+
+        def flange(T_base_camera):
+            return transform("base", "hand", T_base_camera @ numpy.linalg.inv(T_HAND_EYE), rospy.Time.now())
+        self.cell.show(HOME, plates, frame_id="eye")
+        locate = rospy.ServiceProxy("locator/locate_part", LocatePart)
+        answer = locate(part="plate", flange=flange(HOME))
+        self.assertEqual(answer.status, LocatePartResponse.OK, answer.message)
+        part = answer.parts[0]
+        ask = rospy.ServiceProxy("locator/next_view", NextView)
+        proposed = ask(stamp=part.header.stamp, child_frame=part.child_frame, flange_frame="hand")
+        self.assertEqual(proposed.status, NextViewResponse.OK, proposed.message)
+        self.assertEqual(proposed.flange.header.frame_id, "base")
+        T_base_hand = matrix(proposed.flange.pose)
+        numpy.testing.assert_allclose(T_base_hand @ T_HAND_EYE, matrix(proposed.camera.pose), atol=1e-6)
+        nowhere = ask(stamp=part.header.stamp, child_frame=part.child_frame, flange_frame="nowhere")
+        self.assertEqual(nowhere.status, NextViewResponse.NO_TRANSFORM, nowhere.message)
+        self.assertIn("flange_frame", nowhere.message)
+        there = T_base_hand @ T_HAND_EYE
+        refine = rospy.ServiceProxy("locator/refine_part", RefinePart)
+        self.cell.show(there, plates, frame_id="eye")
+        refined = refine(stamp=part.header.stamp, child_frame=part.child_frame, flange=flange(there))
+        self.assertEqual(refined.status, RefinePartResponse.OK, refined.message)
+        self.assertEqual(refined.parts[0].views, 2)
+        self.assertLess(numpy.linalg.norm((matrix(refined.parts[0].pose.pose) - plates[0])[:3, 3]), 0.001)
+        half = flange(there)
+        half.child_frame_id = ""
+        wrong = refine(stamp=part.header.stamp, child_frame=refined.parts[0].child_frame, flange=half)
+        self.assertEqual(wrong.status, RefinePartResponse.BAD_REQUEST)
+        self.assertIn("flange", wrong.message)
+        again = refine(stamp=refined.parts[0].header.stamp, child_frame=refined.parts[0].child_frame)
+        self.assertEqual(again.status, RefinePartResponse.NO_TRANSFORM)  # tf has no way from base to the eye
 
     def test_no_bin_is_an_answer(self):
         self.locate_bin(LocateBinResponse.NOT_FOUND)

@@ -45,6 +45,7 @@ def transform(parent, child, T, stamp):
     return message
 
 
+T_HAND_EYE = shift(0.05, 0.02, 0.1) @ rotation("z", 30)
 RIM = [(-108, -78), (108, -78), (108, 78), (-108, 78)]  # mm, about a bin of 200 x 140
 OPENING = [(-100, -70), (100, -70), (100, 70), (-100, 70)]
 
@@ -94,7 +95,8 @@ class DrawnCell:
         self.static = tf2_ros.StaticTransformBroadcaster()
         now = rospy.Time.now()
         self.static.sendTransform([transform("base", "second_camera", T_base_second, now),
-                                   transform("base", "tray", numpy.eye(4), now)])  # where a bin is said to stand
+                                   transform("base", "tray", numpy.eye(4), now),  # where a bin is said to stand
+                                   transform("hand", "eye", T_HAND_EYE, now)])  # of a robot that is not on tf
         self.T, self.pictures, self.seed = numpy.eye(4), None, 0
         self.faults = {}
         threading.Thread(target=self.send, daemon=True).start()

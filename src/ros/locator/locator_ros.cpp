@@ -292,15 +292,15 @@ BinFinder::Host LocatorRos::binHost() {
 }
 
 ViewServices::Host LocatorRos::viewHost() {
-  const auto offer_all = [this](Answer answer, const auto& T_target_camera, const auto& caller) {
+  const auto stands = [this](const auto& image, const auto& flange) {
+    return cell_frames_.at(tuning_.current()->cell, image, cell_.target_frame, flange);
+  };
+  const auto offer_all = [this](Answer answer, const Standing& standing, const auto& caller) {
     const auto settings = tuning_.current();
-    const auto standing =
-        cell_frames_.at(settings->cell, answer.frame.image->header, answer.header.frame_id);
     SeenRegion region{region_.current(), standing.T_region_camera};
     region.region.pixels.clear();  // of the first picture; this one may be taken from elsewhere
     keepWithin(region, &answer);
-    return offer(std::move(answer), {T_target_camera, standing.pick.bin},
-                 {caller, 0, settings->pick});
+    return offer(std::move(answer), standing.pick, {caller, 0, settings->pick});
   };
   const auto show = [this](const auto& T_target_camera, const Camera& camera) {
     scene_.show("next view", cameraMarkers({"next_view",
@@ -311,7 +311,7 @@ ViewServices::Host LocatorRos::viewHost() {
                                             {},
                                             "next view"}));
   };
-  return {pictureHost(), offer_all, show};
+  return {pictureHost(), offer_all, stands, show};
 }
 
 Frame LocatorRos::awaitFrame(const Request& request) {

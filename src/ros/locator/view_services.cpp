@@ -66,7 +66,8 @@ bool agrees(LookStatus status) {
   return status == LookStatus::kConfirmed || status == LookStatus::kCorrected;
 }
 
-void checkTimes(const planar_bin_picking::RefinePart::Request& request) {
+void check(const planar_bin_picking::RefinePart::Request& request) {
+  checkFlange(request.flange);
   const double timeout = request.timeout.toSec();
   if (timeout >= 0.0 && timeout <= kLongestWait) return;
   throw Refusal(planar_bin_picking::RefinePart::Response::BAD_REQUEST,
@@ -167,7 +168,7 @@ ViewServices::Looks ViewServices::lookAt(std::vector<KeptPart> parts, const Answ
 
 void ViewServices::refine(const std::string& caller, const RefinePart::Request& request,
                           RefinePart::Response* response) {
-  checkTimes(request);
+  check(request);
   if (cell_.target_frame.empty()) {
     throw Refusal(RefinePart::Response::BAD_REQUEST,
                   "the cell names no target_frame, so that nobody knows where the camera was at "
@@ -187,24 +188,23 @@ void ViewServices::refine(const std::string& caller, const RefinePart::Request& 
   const std_msgs::Header& image = frame.image->header;
   Answer answer{{}, frame, toGrey(frame.image), host_.camera_of(frame), {}, image, {}, {}};
   answer.header.frame_id = cell_.target_frame;
-  const auto T_target_camera = host_.transform(cell_.target_frame, image.frame_id, image.stamp);
+  const Standing standing = host_.standing(image, request.flange);
   lap("convert");
   Looks seen;
   {
     const std::lock_guard<std::mutex> lock(*host_.locate_mutex);
     seen = lookAt(keeper_.find(request.stamp, request.child_frame, request.count), answer,
-                  T_target_camera);
+                  standing.pick.T_target_camera);
   }
   lap("look");
   response->looks = seen.looks;
-  offerRefined(caller, std::move(answer), T_target_camera, std::move(seen), response);
+  offerRefined(caller, std::move(answer), standing, std::move(seen), response);
   lap("publish");
   conclude(response);
 }
 
-void ViewServices::offerRefined(const std::string& caller, Answer answer,
-                                const Eigen::Isometry3d& T_target_camera, Looks seen,
-                                RefinePart::Response* response) {
+void ViewServices::offerRefined(const std::string& caller, Answer answer, const Standing& standing,
+                                Looks seen, RefinePart::Response* response) {
   answer.former.emplace();
   // One entry for each, so that it is known again after sorting; what has gone is only withdrawn.
   for (const auto* parts : {&seen.agreed, &seen.gone}) {
@@ -220,10 +220,10 @@ void ViewServices::offerRefined(const std::string& caller, Answer answer,
     const View& first = *seen.agreed.front().tracked.views.front();
     answer.first.emplace(
         FirstPicture{first.image(), first.camera(),
-                     seen.agreed.front().T_target_first.inverse() * T_target_camera});
+                     seen.agreed.front().T_target_first.inverse() * standing.pick.T_target_camera});
   }
   const std_msgs::Header header = answer.header;
-  PickKeeper::Offered offered = host_.offer(std::move(answer), T_target_camera, caller);
+  PickKeeper::Offered offered = host_.offer(std::move(answer), standing, caller);
   std::vector<KeptPart> kept;
   for (std::size_t i = 0; i < offered.parts.size(); ++i) {
     kept.push_back(seen.agreed[offered.detections[i].part]);
@@ -266,6 +266,15 @@ bool ViewServices::serveNextView(NextView::Request& request, NextView::Response&
   return true;
 }
 
+Eigen::Isometry3d ViewServices::flangeFrom(const std::string& camera, const std::string& flange,
+                                           const ros::Time& stamp) const {
+  try {
+    return host_.transform(camera, flange, stamp);
+  } catch (const Refusal& refusal) {  // its numbers are those of LocatePart
+    throw Refusal(NextView::Response::NO_TRANSFORM, "flange_frame: " + std::string(refusal.what()));
+  }
+}
+
 void ViewServices::propose(const NextView::Request& request, NextView::Response* response) {
   if (cell_.next_view_min.empty() || cell_.target_frame.empty()) {
     throw Refusal(NextView::Response::NOT_SET,
@@ -288,15 +297,22 @@ void ViewServices::propose(const NextView::Request& request, NextView::Response*
                   "and focus_min .. max shows all of '" +
                       kept.part->name() + "': widen them");
   }
+  const Eigen::Isometry3d T_target_camera = kept.T_target_first * next->T_first_camera;
+  if (!request.flange_frame.empty()) {
+    response->flange.header.frame_id = cell_.target_frame;
+    response->flange.header.stamp = request.stamp;
+    response->flange.pose = toPoseMsg(
+        T_target_camera * flangeFrom(kept.camera_frame, request.flange_frame, request.stamp));
+  }
   response->status = NextView::Response::OK;
   response->camera.header.stamp = request.stamp;
   response->camera.header.frame_id = cell_.target_frame;
-  response->camera.pose = toPoseMsg(kept.T_target_first * next->T_first_camera);
+  response->camera.pose = toPoseMsg(T_target_camera);
   Detection expected = known;
   expected.covariance = next->covariance;
   response->expected = toMsg(expected, *kept.part, kept.T_target_first).pose;
   response->message = "look from there";
-  host_.show(kept.T_target_first * next->T_first_camera, kept.camera);
+  host_.show(T_target_camera, kept.camera);
 }
 
 bool ViewServices::lookInSecond(const ros::Time& not_before, const ros::Duration& timeout,

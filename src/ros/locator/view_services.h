@@ -7,6 +7,7 @@
 
 #include "input/image_source.h"
 #include "input/picture_host.h"
+#include "locator/cell_frames.h"
 #include "locator/pick_keeper.h"
 #include "locator/settings/cell_params.h"
 #include "locator/views/view_keeper.h"
@@ -31,9 +32,13 @@ class ViewServices {
   /// What it needs of the locator.
   struct Host : PictureHost {
     /// Takes an answer through the pick policy and publishes what is left.
-    std::function<PickKeeper::Offered(Answer answer, const Eigen::Isometry3d& T_target_camera,
+    std::function<PickKeeper::Offered(Answer answer, const Standing& standing,
                                       const std::string& caller)>
         offer;
+    /// Where everything stands at an image in target_frame; with the flange where that is told.
+    std::function<Standing(const std_msgs::Header& image,
+                           const geometry_msgs::TransformStamped& flange)>
+        standing;
     /// A camera that was proposed, for people.
     std::function<void(const Eigen::Isometry3d& T_target_camera,
                        const planar_bin_picking::Camera& camera)>
@@ -74,11 +79,13 @@ class ViewServices {
   Looks lookAt(std::vector<KeptPart> parts, const Answer& now,
                const Eigen::Isometry3d& T_target_camera) const;
   /// Through the pick policy, and out to everybody.
-  void offerRefined(const std::string& caller, Answer answer,
-                    const Eigen::Isometry3d& T_target_camera, Looks seen,
+  void offerRefined(const std::string& caller, Answer answer, const Standing& standing, Looks seen,
                     RefinePart::Response* response);
   void conclude(RefinePart::Response* response) const;
   void propose(const NextView::Request& request, NextView::Response* response);
+  /// @throws Refusal  NO_TRANSFORM of NextView
+  Eigen::Isometry3d flangeFrom(const std::string& camera, const std::string& flange,
+                               const ros::Time& stamp) const;
 
   const planar_bin_picking::LocatorParams params_;
   const CellParams cell_;

@@ -42,7 +42,8 @@ void ViewKeeper::keep(const Answer& answer, const std::vector<Detection>& offere
                           {detection, {}},
                           T_target_camera,
                           answer.camera,
-                          bin});
+                          bin,
+                          answer.frame.image->header.frame_id});
   };
   for (std::size_t i = 0; i < offered.size(); ++i) add(offered[i], located[i].child_frame);
   for (const Detection& detection : needs_view) add(detection, "");

@@ -26,6 +26,7 @@ struct KeptPart {
   Eigen::Isometry3d T_target_first = Eigen::Isometry3d::Identity();
   planar_bin_picking::Camera camera;  ///< of the first view
   std::optional<planar_bin_picking::ViewBin> bin;
+  std::string camera_frame;
 };
 
 class ViewKeeper {
