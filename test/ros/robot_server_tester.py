@@ -222,7 +222,7 @@ class RobotServer(unittest.TestCase):
         with socket.create_connection(("127.0.0.1", UR["port"]), 60.0) as ur:
             answers = ur.makefile("r")
             ur.sendall(b"locate bracket\n")
-            self.assertEqual(answers.readline(), "(3)\n")  # nobody says where the robot is
+            self.assertEqual(answers.readline(), "(3,0,0,0,0,0,0,0,0)\n")  # nobody says where the robot is
             ur.sendall(b"locate bracket flange 0.5 0 1.0 3.14159265 0 0\n")
             numbers = eval(answers.readline())  # a list of URScript is a tuple of Python
         self.assertEqual(numbers[0], 0)

@@ -62,7 +62,10 @@ struct RobotPose {
 std::string poseLine(const RobotPose& pose, PoseConvention convention);
 
 /// The same for an answer without a pose; the text becomes one line of plain ASCII. UR's get the
-/// number alone.
-std::string textLine(RobotCode code, const std::string& text, PoseConvention convention);
+/// number alone, and then zeros: they read a fixed count of numbers, and do not say what they got
+/// of fewer.
+/// @param count  of numbers in a line with a pose
+std::string textLine(RobotCode code, const std::string& text, PoseConvention convention,
+                     std::size_t count);
 
 }  // namespace planar_bin_picking

@@ -96,6 +96,13 @@ std::string text(const double value) {
   return out.str();
 }
 
+/// A name of ASCII without spaces: fields are told apart by these.
+std::string asWord(std::string name) {
+  for (char& c : name)
+    if (c <= ' ' || c > '~') c = '?';
+  return name;
+}
+
 std::string join(const std::vector<std::string>& numbers, const char* separator) {
   std::string line;
   for (const std::string& number : numbers) line += (line.empty() ? "" : separator) + number;
@@ -135,13 +142,17 @@ std::string poseLine(const RobotPose& pose, const PoseConvention convention) {
   if (pose.T_base_approach) add(*pose.T_base_approach);
   if (pose.T_base_retreat) add(*pose.T_base_retreat);
   if (convention == PoseConvention::kUr) return "(" + join(numbers, ",") + ")\n";
-  return join(numbers, " ") + " " + pose.part + " " + pose.pick + "\n";
+  return join(numbers, " ") + " " + asWord(pose.part) + " " + asWord(pose.pick) + "\n";
 }
 
-std::string textLine(const RobotCode code, const std::string& text,
-                     const PoseConvention convention) {
+std::string textLine(const RobotCode code, const std::string& text, const PoseConvention convention,
+                     const std::size_t count) {
   const std::string number = std::to_string(static_cast<int>(code));
-  if (convention == PoseConvention::kUr) return "(" + number + ")\n";
+  if (convention == PoseConvention::kUr) {
+    std::vector<std::string> numbers(std::max<std::size_t>(1, count), "0");
+    numbers.front() = number;
+    return "(" + join(numbers, ",") + ")\n";
+  }
   std::string line = text.substr(0, kTextMost);
   for (char& c : line)
     if (c < ' ' || c > '~') c = '?';

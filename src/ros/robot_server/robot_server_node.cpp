@@ -30,8 +30,10 @@ class RobotServer {
     using planar_bin_picking::RobotCode;
     using planar_bin_picking::textLine;
     return {cell_.params.address, cell_.params.port, cell_.params.clients_max,
-            textLine(RobotCode::kAgain, "too many clients are connected", cell_.convention),
-            textLine(RobotCode::kBadLine, "the line is too long", cell_.convention)};
+            textLine(RobotCode::kAgain, "too many clients are connected", cell_.convention,
+                     cell_.numbersInLine()),
+            textLine(RobotCode::kBadLine, "the line is too long", cell_.convention,
+                     cell_.numbersInLine())};
   }
 
   RobotCell cell_;

@@ -80,13 +80,20 @@ RobotCell::RobotCell(const RobotServerParams& server, const ros::NodeHandle& nod
                                            });
 }
 
+std::size_t RobotCell::numbersInLine() const {
+  constexpr std::size_t kAhead = 3, kNumbers = 2;  // code, parts left, face; of part and tool
+  const std::size_t poses = 1 + (params.approach_mm > 0.0) + (params.retreat_mm > 0.0);
+  return kAhead + (params.numbers ? kNumbers : 0) +
+         poses * planar_bin_picking::poseNumbers(convention);
+}
+
 std::string RobotCell::calibration() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return calibration_;
 }
 
 std::string RobotSession::text(const RobotCode code, const std::string& words) const {
-  return planar_bin_picking::textLine(code, words, cell_.convention);
+  return planar_bin_picking::textLine(code, words, cell_.convention, cell_.numbersInLine());
 }
 
 std::string RobotSession::answer(const std::string& line) {

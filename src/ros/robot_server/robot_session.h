@@ -30,6 +30,8 @@ class RobotCell {
   const Eigen::Isometry3d T_tool_flange;
   ros::NodeHandle nh;
 
+  std::size_t numbersInLine() const;  ///< of one with a pose
+
   /// As on the calibrator's ~status; "" where nobody has said anything.
   std::string calibration() const;
 

@@ -64,6 +64,9 @@ TEST(RobotLine, WritesPosesForEachController) {
             "0 3 2 500.000000 -250.000000 0.000000 90.000000 0.000000 0.000000 lever web\n");
   EXPECT_EQ(poseLine(pose, PoseConvention::kUr),
             "(0,3,2,0.500000,-0.250000,0.000000,0.000000,0.000000,1.570796)\n");
+  pose.part = "le v\xC3\xA9";
+  EXPECT_NE(poseLine(pose, PoseConvention::kKuka).find(" le?v?? web\n"), std::string::npos);
+  pose.part = "lever";
   pose.T_base_approach = pose.T_base_target;
   EXPECT_EQ(poseLine(pose, PoseConvention::kUr),
             "(0,3,2,0.500000,-0.250000,0.000000,0.000000,0.000000,1.570796,"
@@ -77,9 +80,10 @@ TEST(RobotLine, WritesPosesForEachController) {
 }
 
 TEST(RobotLine, WritesTextsAsOneLineOfAscii) {
-  EXPECT_EQ(textLine(RobotCode::kEmpty, "a\nb \xC3\xA9", PoseConvention::kAbb), "2 a?b ??\n");
-  EXPECT_EQ(textLine(RobotCode::kEmpty, "a", PoseConvention::kUr), "(2)\n");
-  EXPECT_LT(textLine(RobotCode::kSetUp, std::string(5000, 'x'), PoseConvention::kAbb).size(), 250u);
+  EXPECT_EQ(textLine(RobotCode::kEmpty, "a\nb \xC3\xA9", PoseConvention::kAbb, 9), "2 a?b ??\n");
+  EXPECT_EQ(textLine(RobotCode::kEmpty, "a", PoseConvention::kUr, 4), "(2,0,0,0)\n");
+  EXPECT_LT(textLine(RobotCode::kSetUp, std::string(5000, 'x'), PoseConvention::kAbb, 9).size(),
+            250u);
 }
 
 }  // namespace
