@@ -157,6 +157,10 @@ class Teach(unittest.TestCase):
             "# first\n", "# first\n  - {name: back, face: back, position_mm: [17, 40, -3], rpy_deg: [0, 0, 90]}\n")
         self.assertEqual(self.content(), expected)
         self.assertEqual(self.saved(), (["elbow", "back"], []))
+        self.choose("back", "earlier: the robot prefers it", "the order is back, elbow")
+        self.choose("back", "earlier: the robot prefers it", "is the first already")
+        self.choose(PART, "save", "2 pick poses written")
+        self.assertEqual(self.saved(), (["back", "elbow"], []))
 
     def test_what_would_send_the_tool_the_wrong_way_is_not_saved(self):
         save = rospy.ServiceProxy("teach/save", Trigger)

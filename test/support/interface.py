@@ -18,6 +18,7 @@ NODES = {
                 [("~cell", "CellParams"), ("~pick", "PickParams"), ("~locator", "LocatorParams")]),
     "hdr": ("Nodelet `planar_bin_picking/Hdr`", "The HDR node's", [("~hdr", "HdrNodeParams")]),
     "calibrator": ("Node `calibrator`", "The calibrator's", [("~calibrator", "CalibratorParams")]),
+    "teach": ("Node `teach`", "The teaching node's", []),
     "robot_server": ("Node `robot_server`", None, [("~server", "RobotServerParams")]),
 }
 TYPE = re.compile(r"double|int|bool|std::string|std::vector<double>")

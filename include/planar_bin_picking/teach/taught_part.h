@@ -21,7 +21,7 @@ class TaughtPart {
   explicit TaughtPart(const std::string& path);
 
   const PartModel& part() const { return *part_; }
-  /// As they are now; those of the file first, in its order.
+  /// As they are now, in the order in which the robot prefers them.
   const std::vector<PickPose>& poses() const { return poses_; }
   /// @throws std::invalid_argument  there is none of this name
   const PickPose& pose(const std::string& name) const;
@@ -30,6 +30,8 @@ class TaughtPart {
   /// Upright on a face. @param at  its place; nothing: the middle of the material
   /// @return  its name: "front", "front_2", …
   std::string add(Face face, const std::optional<Eigen::Vector2d>& at);
+  /// One place earlier in that order. @throws std::invalid_argument  there is none, or it is first
+  void prefer(const std::string& name);
   /// @throws std::invalid_argument  there is none
   void remove(const std::string& name);
 
@@ -39,7 +41,7 @@ class TaughtPart {
   bool isChanged() const;
 
   /// Writes the poses into the part's file and changes nothing else in it; a drawing that stands
-  /// alone gets a part file. The file as it was stays beside it, as <file>.before.
+  /// alone gets a part file. The file as it was stays beside it, as FILE.before.
   /// @return  what was written, in one line
   /// @throws std::runtime_error  nothing is written: a pose points the wrong way, somebody else has
   ///         changed the file's poses meanwhile, or the file cannot be changed safely

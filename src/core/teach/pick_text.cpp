@@ -105,7 +105,35 @@ class Editor {
     return edit_.result();
   }
 
+  /// The poses that there are, in the order of these.
+  std::string ordered(const std::vector<PickPose>& poses) {
+    const auto isSameName = [](const PickPose& a, const PickPose& b) { return a.name == b.name; };
+    if (before_.size() != poses.size() ||
+        std::equal(before_.begin(), before_.end(), poses.begin(), isSameName))
+      return edit_.text();
+    if (root_[kKey].Style() == YAML::EmitterStyle::Flow) {
+      rewriteFlow(poses);
+      return edit_.result();
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const PickPose* const before = find(before_, poses[i].name);
+      if (before == nullptr) return edit_.text();
+      putEntry(i, static_cast<std::size_t>(before - before_.data()));
+    }
+    return edit_.result();
+  }
+
  private:
+  /// What stands at entry `from` in the place of entry `to`.
+  void putEntry(std::size_t to, std::size_t from) {
+    if (to == from) return;
+    const std::string& text = edit_.text();
+    std::string entry = text.substr(entryBegin(from), entryEnd(from) - entryBegin(from));
+    while (!entry.empty() && (entry.back() == '\n' || entry.back() == '\r')) entry.pop_back();
+    const bool is_open = text[entryEnd(to) - 1] != '\n';  // the file's last line
+    edit_.replace(entryBegin(to), entryEnd(to), entry + (is_open ? "" : edit_.lineEnd()));
+  }
+
   const PickPose* find(const std::vector<PickPose>& poses, const std::string& name) const {
     const auto found = std::find_if(poses.begin(), poses.end(),
                                     [&](const PickPose& pose) { return pose.name == name; });
@@ -146,6 +174,11 @@ class Editor {
       for (std::size_t i = 0; i < before_.size(); ++i) changeEntry(i, poses);
       return;
     }
+    rewriteFlow(poses);
+  }
+
+  /// As lines in place of the brackets.
+  void rewriteFlow(const std::vector<PickPose>& poses) {
     const std::size_t begin = edit_.text().find('[', afterColon());
     bool has_comment = false;
     const std::size_t end =
@@ -280,6 +313,15 @@ std::map<std::string, std::string> otherValues(const std::string& text) {
   return values;
 }
 
+bool isReadable(const std::string& text) {
+  try {
+    pickPosesIn(text, "the part file", WrongPicks::kWarned);
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 /// What a change has made of a file is read as whoever uses it reads it.
 void check(const std::string& before, const std::string& after,
            const std::vector<PickPose>& poses) {
@@ -309,7 +351,9 @@ std::string withPickPoses(const std::string& text, const std::vector<PickPose>& 
   // The mark that some editors put first is no part of the positions that the parser gives.
   const std::string mark = text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? "\xEF\xBB\xBF" : "";
   const std::string bare = text.substr(mark.size());
-  const std::string after = Editor(bare).with(poses);
+  std::string after = Editor(bare).with(poses);
+  // Else it is not what it should be: the check says so.
+  if (isReadable(after)) after = Editor(after).ordered(poses);
   check(bare, after, poses);
   return mark + after;
 }

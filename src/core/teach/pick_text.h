@@ -13,10 +13,10 @@
 namespace planar_bin_picking {
 
 /// Poses are told apart by their names. In one that has changed, only the values that have changed
-/// are written anew; one that is new comes last; of one that is gone, comments on lines of their
-/// own between the poses stay.
+/// are written anew; comments on lines of their own between the poses stay where they are, also
+/// where a pose goes or another comes there.
 /// @param text   a part file that can be read
-/// @param poses  all that it is to have, in the order of the file, new ones last
+/// @param poses  all that it is to have, in the order that it is to have
 /// @throws std::runtime_error  it is written so that this cannot be done safely: why, and what to
 ///         change by hand. Lengths are rounded to 0.001 mm, angles to 0.001 degrees.
 std::string withPickPoses(const std::string& text, const std::vector<PickPose>& poses);

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace planar_bin_picking {
 namespace {
@@ -78,6 +79,12 @@ std::string TaughtPart::add(Face face, const std::optional<Eigen::Vector2d>& at)
   }
   poses_.push_back(pose);
   return pose.name;
+}
+
+void TaughtPart::prefer(const std::string& name) {
+  const std::size_t index = indexOf(name);
+  if (index == 0) throw std::invalid_argument("pick pose " + name + " is the first already");
+  std::swap(poses_[index - 1], poses_[index]);
 }
 
 void TaughtPart::remove(const std::string& name) {

@@ -91,9 +91,9 @@ constexpr char kPlanTopic[] = "plan_markers";
 // Below which the numbers are that may be changed while the locator runs (dynamic_reconfigure).
 constexpr char kTuningName[] = "tuning";
 
-// Of teaching, below its node's name; rviz listens to <markers>/update.
+// The teaching node's, below its name; rviz listens to <markers>/update.
 /// visualization_msgs/InteractiveMarkerUpdate: the pick poses as markers to drag
-constexpr char kTeachMarkers[] = "poses";
+constexpr char kTeachMarkersTopic[] = "poses";
 /// std_srvs/Trigger: writes the poses into the part's file
 constexpr char kSaveService[] = "save";
 

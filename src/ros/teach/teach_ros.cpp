@@ -37,7 +37,7 @@ TeachRos::TeachRos(const ros::NodeHandle&, const ros::NodeHandle& pnh)
     : taught_(planar_bin_picking::findPart(
           requiredParam(pnh, "part", "the name of a part, or the path of its file"),
           requiredParam(pnh, "parts_folder", "the folder of the parts"))),
-      server_(pnh.resolveName(kTeachMarkers)) {
+      server_(pnh.resolveName(kTeachMarkersTopic)) {
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = ros::Time::now();
   transform.header.frame_id = kTeachFrame;
@@ -96,6 +96,13 @@ void TeachRos::addPoseMenu() {
   addMove("turn by 90 degrees", [](const auto& pose) { return turned(pose, kQuarter); });
   addMove("to the other face",
           [this](const auto& pose) { return forOtherFace(pose, taught_.part().thickness()); });
+  pose_menu_.insert("earlier: the robot prefers it", entry([this](const auto& feedback) {
+                      taught_.prefer(feedback.marker_name);
+                      std::string order;
+                      for (const PickPose& pose : taught_.poses())
+                        order += (order.empty() ? "" : ", ") + pose.name;
+                      return "the order is " + order;
+                    }));
   pose_menu_.insert("delete", entry([this](const auto& feedback) {
                       taught_.remove(feedback.marker_name);
                       return feedback.marker_name + " is deleted";

@@ -97,6 +97,37 @@ TEST(PickText, PosesComeAndGo) {
   EXPECT_EQ(read(again).size(), 1u) << again;
 }
 
+TEST(PickText, TheOrderOfPreferenceIsChanged) {
+  const Poses poses = read(kByHand), turned(poses.rbegin(), poses.rend());
+  const std::string other = withPickPoses(kByHand, turned);
+  EXPECT_EQ(read(other).front().name, "eye");
+  // Each keeps what stands in its own lines; comments between them stay where they are.
+  EXPECT_NE(other.find("  # the web\n  - name: 'eye'\n"), std::string::npos) << other;
+  EXPECT_NE(other.find("[30, 20, 0], rpy_deg: [180, 0, 0]}  # soft cup\n  # nothing at the tip"),
+            std::string::npos)
+      << other;
+  EXPECT_EQ(withPickPoses(other, poses), kByHand);
+  // Moved, changed and joined by a new one in one go.
+  Poses three = turned;
+  three[0] = shifted(three[0], 1.0);
+  three.insert(three.begin() + 1, named(shifted(poses[0], 7), "tip"));
+  const Poses again = read(withPickPoses(kByHand, three));
+  ASSERT_EQ(again.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(isSamePick(again[i], three[i])) << i;
+  // In brackets, and where the last line is open.
+  const std::string flow =
+      "pick_poses: [{name: a, face: back, position_mm: [1, 2, 3]}, {name: b, face: back, "
+      "position_mm: [4, 5, 6]}]\ndrawing: a.dxf\n";
+  const Poses two = read(flow), back(two.rbegin(), two.rend());
+  EXPECT_EQ(read(withPickPoses(flow, back)).front().name, "b");
+  const std::string open =
+      "drawing: a.dxf\npick_poses:\n- {name: a, face: back, position_mm: [1, 2, 3]}\n"
+      "- {name: b, face: back, position_mm: [4, 5, 6]}";
+  EXPECT_EQ(withPickPoses(open, back),
+            "drawing: a.dxf\npick_poses:\n- {name: b, face: back, position_mm: [4, 5, 6]}\n"
+            "- {name: a, face: back, position_mm: [1, 2, 3]}");
+}
+
 TEST(PickText, AFileWithoutPosesGetsThemAtItsEnd) {
   const Poses poses = {read(kByHand)[0]};
   const std::string entry =

@@ -99,6 +99,10 @@ TEST_F(TaughtPartTest, SavingChangesThePosesAlone) {
   pose.T_part_pick.translation().x() = 0.009;
   taught.change(pose);
   taught.add(Face::kBack, std::nullopt);
+  taught.prefer("back");
+  EXPECT_EQ(taught.poses().front().name, "back");
+  EXPECT_THROW(taught.prefer("back"), std::invalid_argument);
+  taught.prefer("cup");
   const std::string said = taught.save();
   EXPECT_NE(said.find("look at cup"), std::string::npos) << said;  // over the hole, as a pin goes
   EXPECT_FALSE(taught.isChanged());
