@@ -11,7 +11,7 @@ from geometry_msgs.msg import PointStamped
 from planar_bin_picking.msg import RefusedPart
 from planar_bin_picking.srv import LocatePart, LocatePartResponse as Status
 from std_srvs.srv import Trigger
-from visualization_msgs.msg import MarkerArray
+from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerInit, MarkerArray
 
 UP = 60.0  # s, for the node to come up; machines may be busy
 CENTER = (0.06, 0.04, 0.0)  # of the bracket, from its origin, m; to the thickness
@@ -65,7 +65,8 @@ class RegionCases:
             self.assertEqual(rviz["Global Options"]["Fixed Frame"], "base")
             focal = rviz["Views"]["Current"]["Focal Point"]
             numpy.testing.assert_allclose([focal["X"], focal["Y"], focal["Z"]], focus, atol=0.01)
-            topics = {one[key] for one in rviz["Displays"] for key in ("Marker Topic", "Image Topic") if key in one}
+            topics = {one[key] for one in rviz["Displays"] for key in ("Marker Topic", "Image Topic", "Update Topic")
+                      if key in one}
             self.assertEqual(topics - published, {"/tally"})  # of the cycle demo
             self.assertIn(f"/{locator}/overlay", topics)
 
@@ -84,6 +85,8 @@ class RegionCases:
             return reasons.count(RefusedPart.NO_ROOM)
         self.assertGreater(without_room("fingers"), 0)
         self.assertTrue(response_of("fingers", "bracket").parts)  # others have room
+        bodies = [m for m in rospy.wait_for_message("fingers/markers", MarkerArray, UP).markers if m.ns == "tool_bodies"]
+        self.assertTrue(bodies)
         # Turned by a quarter, the fingers would come down on the arm that they are to grip.
         with open(os.path.join(self.parts, "crosswise.yaml"), "w") as file:
             file.write("drawing: bracket.dxf\nthickness_mm: 3\npick_poses:\n  - {name: arm, face: front, "
@@ -141,7 +144,59 @@ class RegionCases:
         self.assertGreater(len(self.call("region", Status.OK, part="bracket").parts), 1)
         self.assertIn("region_file", rospy.ServiceProxy("no_bin/save_region", Trigger)().message)
 
+    def test_region_that_is_dragged(self):
+        handles = []
+        rospy.Subscriber("region/region_handles/update_full", InteractiveMarkerInit, handles.append)
+        hand = rospy.Publisher("region/region_handles/feedback", InteractiveMarkerFeedback, queue_size=10)
+        self.comes_true(lambda: handles and hand.get_num_connections())
+
+        def corners():
+            return [marker.name for marker in rospy.wait_for_message(
+                "region/region_handles/update_full", InteractiveMarkerInit, UP).markers]
+
+        def does(event, corner="corner 1", menu=0, place=(0.0, 0.0)):
+            feedback = InteractiveMarkerFeedback(client_id="hand", marker_name=corner, event_type=event, menu_entry_id=menu)
+            feedback.header.frame_id = "base"
+            feedback.pose.position.x, feedback.pose.position.y = place
+            feedback.pose.orientation.w = 1.0
+            hand.publish(feedback)
+        # It begins with the region in force, which stays until somebody saves.
+        self.assertEqual(corners(), [f"corner {i}" for i in (1, 2, 3, 4)])
+        self.assertEqual([entry.title.split(":")[0].split(",")[0] for entry in handles[0].markers[0].menu_entries],
+                         ["a corner more", "delete this corner", "save", "forget the changes"])
+        more, less, save, forget = (entry.id for entry in handles[0].markers[0].menu_entries)
+        menu = InteractiveMarkerFeedback.MENU_SELECT
+        does(menu, menu=more)
+        self.comes_true(lambda: len(corners()) == 5)
+        self.assertEqual(self.corners(), 5)
+        does(menu, corner="corner 2", menu=less)
+        self.comes_true(lambda: len(corners()) == 4)
+        does(menu, corner="corner 77", menu=less)  # there is none: nothing happens
+        # Its two left corners are dragged to the right, past one of the parts.
+        before = sorted(center(part)[0] for part in self.call("region", Status.OK, part="bracket").parts)
+        middle = (before[0] + before[1]) / 2.0
+        for corner, y in (("corner 1", -0.3), ("corner 4", 0.3)):
+            for event in (InteractiveMarkerFeedback.POSE_UPDATE, InteractiveMarkerFeedback.MOUSE_UP):
+                does(event, corner=corner, place=(middle, y))
+        self.comes_true(lambda: sum(abs(p.x - middle) < 1e-6 for m in self.scene("region_points") for p in m.points) == 2)
+        does(InteractiveMarkerFeedback.MOUSE_UP, place=(float("nan"), 0.0))
+        self.assertEqual(len(self.call("region", Status.OK, part="bracket").parts), len(before))  # not in force yet
+        does(menu, menu=save)
+        self.comes_true(lambda: os.path.exists(self.region_file))
+        after = [center(part)[0] for part in self.call("region", Status.OK, part="bracket").parts]
+        self.assertEqual(len(after), len(before) - 1)
+        self.assertEqual(self.corners(), 0)
+        does(menu, menu=more)
+        self.comes_true(lambda: self.corners() == 5)
+        does(menu, menu=forget)
+        self.comes_true(lambda: self.corners() == 0)
+        self.assertTrue(rospy.ServiceProxy("region/clear_region", Trigger)().success)
+        self.assertEqual(len(self.call("region", Status.OK, part="bracket").parts), len(before))
+
+    @staticmethod
+    def scene(name):
+        return [marker for marker in rospy.wait_for_message("region/scene", MarkerArray, UP).markers if marker.ns == name]
+
     def corners(self):
         """How many points rviz shows of the region that is being taught."""
-        scene = rospy.wait_for_message("region/scene", MarkerArray, UP).markers
-        return sum(len(marker.points) for marker in scene if marker.ns == "region_points")
+        return sum(len(marker.points) for marker in self.scene("region_points"))

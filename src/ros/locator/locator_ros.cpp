@@ -91,10 +91,8 @@ LocatorRos::LocatorRos(const ros::NodeHandle& nh, const ros::NodeHandle& pnh)
       source_(image_nh_, pnh),
       publisher_(call_pnh_, prompt_pnh_, cell_.frame_prefix),
       scene_(call_pnh_),
-      region_(
-          {cell_.region, cell_.region_px, cell_.regionFrame(), cell_.region_file, cell_.tf_timeout},
-          tf_buffer_, onQueue(nh, &prompt_queue_), prompt_pnh_, scene_),
       tuning_(start_, prompt_pnh_),
+      region_(regionSettings(), tf_buffer_, onQueue(nh, &prompt_queue_), prompt_pnh_, scene_),
       picks_(start_.pick),
       part_services_(parts_, call_pnh_, prompt_pnh_),
       snapshots_(cell_, call_pnh_),
@@ -276,6 +274,22 @@ Frame LocatorRos::awaitImage(const ros::Time& not_before, const ros::Duration& t
   return awaitFrame(request);
 }
 
+RegionKeeper::Settings LocatorRos::regionSettings() const {
+  RegionKeeper::Settings settings{cell_.region,
+                                  cell_.region_px,
+                                  cell_.regionFrame(),
+                                  cell_.region_file,
+                                  cell_.tf_timeout,
+                                  {},
+                                  {}};
+  const bool is_of_bin = cell_.hasBin() && cell_.regionFrame() == cell_.bin_frame;
+  if (is_of_bin) settings.floor = floorOf(cell_);
+  settings.T_frame_region = [this, is_of_bin] {
+    return is_of_bin ? foundBin(tuning_.current()->cell) : Eigen::Isometry3d::Identity();
+  };
+  return settings;
+}
+
 PictureHost LocatorRos::pictureHost() {
   return {[this](const auto&... args) { return awaitImage(args...); },
           [this](const auto& frame) { return cameraOf(frame); },
@@ -286,6 +300,7 @@ BinFinder::Host LocatorRos::binHost() {
   const auto use = [this](const Eigen::Isometry3d& T_told_found) {
     tuning_.useBin(foundBin(T_told_found));
     showCell(tuning_.current()->cell);
+    region_.redraw();
   };
   return {pictureHost(), [this] { return binSettings(tuning_.current()->cell); }, use,
           [this] { return planar_bin_picking::Locator(tuning_.current()->locator); }};

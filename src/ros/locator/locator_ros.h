@@ -61,6 +61,7 @@ class LocatorRos {
               const planar_bin_picking::LocateRequest& request, Stopwatch* watch, Answer* answer);
   PickKeeper::Offered offer(Answer answer, const PickKeeper::Frames& frames,
                             const PickKeeper::Call& call);
+  RegionKeeper::Settings regionSettings() const;
   PictureHost pictureHost();
   ViewServices::Host viewHost();
   BinFinder::Host binHost();
@@ -89,8 +90,8 @@ class LocatorRos {
   ImageSource source_;
   AnswerPublisher publisher_;
   ScenePublisher scene_;
-  RegionKeeper region_;
   Tuning tuning_;
+  RegionKeeper region_;
   PickKeeper picks_;
   PartServices part_services_;
   SnapshotKeeper snapshots_;

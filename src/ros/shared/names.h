@@ -41,6 +41,8 @@ constexpr char kMarkersTopic[] = "markers";
 constexpr char kOverlayTopic[] = "overlay";
 /// planar_bin_picking/LocateBin: finds the bin by its rim
 constexpr char kLocateBinService[] = "locate_bin";
+/// visualization_msgs/InteractiveMarkerUpdate: the region's corners as handles to drag, for rviz
+constexpr char kRegionHandlesTopic[] = "region_handles";
 /// geometry_msgs/PoseStamped: latched: the bin as it was found last, and is in force
 constexpr char kBinTopic[] = "bin";
 /// visualization_msgs/MarkerArray: latched: bin, region, camera, plane and next view, for rviz

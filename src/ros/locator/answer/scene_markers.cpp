@@ -77,15 +77,19 @@ Markers binMarkers(const std::string& frame, const Eigen::Isometry3d& T_frame_bi
   return {edges, floor};
 }
 
-Markers regionMarkers(const std::string& frame, const RegionOutline& region,
-                      const RegionOutline& points, const bool good) {
+Markers regionMarkers(const std::string& frame, const Eigen::Isometry3d& T_frame_region,
+                      const RegionOutline& region, const RegionOutline& points, const bool good) {
   constexpr double kAbove = 0.002;  // metres; not hidden by what it lies on
   Markers markers;
   if (!region.empty()) {
     markers.push_back(make(frame, "region", Marker::LINE_LIST, colorOf(0.3f, 0.9f, 1.0f)));
     addRing(atHeight(region, kAbove), &markers.back());
   }
-  if (points.empty()) return markers;
+  const auto placed = [&](Markers all) {
+    for (Marker& marker : all) marker.pose = toPoseMsg(T_frame_region);
+    return all;
+  };
+  if (points.empty()) return placed(markers);
   const auto color = good ? colorOf(1.0f, 1.0f, 0.2f) : colorOf(1.0f, 0.2f, 0.2f);
   Marker corners = make(frame, "region_points", Marker::SPHERE_LIST, color);
   corners.scale.x = corners.scale.y = corners.scale.z = kPoint;
@@ -94,11 +98,11 @@ Markers regionMarkers(const std::string& frame, const RegionOutline& region,
   addRing(atHeight(points, kAbove), &lines);
   markers.push_back(corners);
   markers.push_back(lines);
-  return markers;
+  return placed(markers);
 }
 
 Markers cameraMarkers(const ShownCamera& shown) {
-  constexpr double kBody = 0.03;  // metres
+  constexpr double kBody = 0.03, kText = 0.015;  // metres
   const auto& model = shown.camera.model();
   const auto seen = [&](const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d ideal = shown.camera.undistort(pixel);
@@ -133,7 +137,7 @@ Markers cameraMarkers(const ShownCamera& shown) {
     Marker text = make(shown.frame, shown.ns, Marker::TEXT_VIEW_FACING, colorOf(1, 1, 1));
     text.id = 2;
     text.pose = frustum.pose;
-    text.scale.z = kBody;
+    text.scale.z = kText;
     text.text = shown.text;
     markers.push_back(text);
   }

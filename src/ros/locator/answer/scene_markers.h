@@ -25,8 +25,10 @@ Markers binMarkers(const std::string& frame, const Eigen::Isometry3d& T_frame_bi
                    const Eigen::Vector3d& min, const Eigen::Vector3d& max);
 
 /// The region in force, and the points that were clicked since with the lines between them.
-/// @param good  whether the points can be saved; else they are red
-Markers regionMarkers(const std::string& frame, const planar_bin_picking::RegionOutline& region,
+/// @param T_frame_region  the bin, and the region with it, may have been found elsewhere
+/// @param good            whether the points can be saved; else they are red
+Markers regionMarkers(const std::string& frame, const Eigen::Isometry3d& T_frame_region,
+                      const planar_bin_picking::RegionOutline& region,
                       const planar_bin_picking::RegionOutline& points, bool good);
 
 /// Where a camera is and what it sees up to a distance.

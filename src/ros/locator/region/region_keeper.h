@@ -3,10 +3,11 @@
 #pragma once
 
 /// The cell's region in force: what its file says, or what was taught by points that somebody
-/// clicked in rviz. Points come in one by one and change nothing until ~save_region; ~clear_region
-/// forgets them, or else what was taught. Any number of threads.
+/// clicked in rviz, or by handles that were dragged there. Neither changes anything until
+/// ~save_region; ~clear_region forgets them, or else what was taught. Any number of threads.
 
 #include "locator/answer/scene_publisher.h"
+#include "locator/region/region_handles.h"
 #include "planar_bin_picking/bin/region.h"
 #include "shared/transforms.h"
 
@@ -14,6 +15,7 @@
 #include <ros/node_handle.h>
 #include <std_srvs/Trigger.h>
 
+#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -27,6 +29,11 @@ class RegionKeeper {
     std::vector<double> region, region_px;
     std::string frame, file;
     double tf_timeout = 0.0;
+    /// What the handles begin with where there is no region: the bin's floor.
+    planar_bin_picking::RegionOutline floor;
+    /// Where the region's own frame is now, as seen from `frame`: a bin may have been found
+    /// elsewhere, and its region goes with it.
+    std::function<Eigen::Isometry3d()> T_frame_region;
   };
 
   /// @param prompt_nh   the node's namespace; its callback queue takes in points
@@ -37,23 +44,35 @@ class RegionKeeper {
                const ros::NodeHandle& prompt_pnh, ScenePublisher& scene);
 
   planar_bin_picking::Region current() const;
+  void redraw();  ///< the bin stands elsewhere
 
  private:
   using Request = std_srvs::Trigger::Request;
   using Response = std_srvs::Trigger::Response;
 
   void take(const geometry_msgs::PointStamped& point);
+  /// What is done with the handles; on the prompt queue.
+  RegionHandles::Actions actions();
+  /// Edits what the handles stand at, where it still has that corner.
+  void change(std::size_t corner,
+              const std::function<void(planar_bin_picking::RegionOutline* corners)>& edit,
+              bool with_handles = true);
+  std::string saveTaught(bool* is_saved);
+  std::string forgetTaught(bool* is_done);
   bool save(Request& request, Response& response);
   bool clear(Request& request, Response& response);
-  /// Under mutex_.
-  void show();
+  /// All under mutex_.
+  void show(bool with_handles = true);
+  /// What the handles stand at.
+  const planar_bin_picking::RegionOutline& corners() const;
 
   const Settings settings_;
   const TransformBuffer& buffer_;
   ScenePublisher& scene_;
   mutable std::mutex mutex_;
   planar_bin_picking::Region region_;
-  planar_bin_picking::RegionOutline points_;  ///< clicked, and not saved yet
+  planar_bin_picking::RegionOutline points_;  ///< clicked or dragged, and not saved yet
+  RegionHandles handles_;
   ros::Subscriber points_in_;
   ros::ServiceServer save_service_, clear_service_;
 };

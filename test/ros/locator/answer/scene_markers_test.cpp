@@ -24,15 +24,18 @@ TEST(SceneMarkers, TheBinIsABoxWithAFloorToClickOn) {
 
 TEST(SceneMarkers, PointsThatCannotBeSavedAreRed) {
   const planar_bin_picking::RegionOutline square = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  EXPECT_TRUE(regionMarkers("bin", {}, {}, true).empty());
-  EXPECT_EQ(regionMarkers("bin", square, {}, true).size(), 1u);
-  const Markers taught = regionMarkers("bin", square, square, true);
-  const Markers wrong = regionMarkers("bin", square, square, false);
+  // A bin that was found elsewhere, and its region with it.
+  const Eigen::Isometry3d there(Eigen::Translation3d(0.0, 0.5, 0.0));
+  EXPECT_TRUE(regionMarkers("bin", there, {}, {}, true).empty());
+  EXPECT_EQ(regionMarkers("bin", there, square, {}, true).size(), 1u);
+  const Markers taught = regionMarkers("bin", there, square, square, true);
+  const Markers wrong = regionMarkers("bin", there, square, square, false);
   ASSERT_EQ(taught.size(), 3u);
   EXPECT_EQ(taught[1].points.size(), 4u);
   EXPECT_EQ(taught[2].points.size(), 8u);
   EXPECT_GT(taught[1].color.g, 0.9f);
   EXPECT_LT(wrong[1].color.g, 0.5f);
+  for (const auto& marker : taught) EXPECT_EQ(marker.pose.position.y, 0.5);
 }
 
 TEST(SceneMarkers, TheFrustumEndsWhereThePictureDoes) {
