@@ -55,7 +55,10 @@ FlatFloor layOut(const cv::Mat& image, const Camera& camera, const BinBox& bin) 
   const int rows = static_cast<int>(size.y() / floor.step);
   if (std::min(columns, rows) < kLeastPixels) return floor;
   // Whole blocks of the image's pixels, as large as those of the floor: nothing is passed over.
-  const int shrink = std::max(1, static_cast<int>(floor.step / pixelOnFloor(camera, bin)));
+  // Of a box that is told far too large, some pixels are left.
+  const double most = std::max(1, std::min(image.cols, image.rows) / kLeastPixels);
+  const int shrink =
+      static_cast<int>(std::clamp(floor.step / pixelOnFloor(camera, bin), 1.0, most));
   cv::Mat source = toEightBits(image);
   if (shrink > 1)
     cv::resize(source, source, {image.cols / shrink, image.rows / shrink}, 0, 0, cv::INTER_AREA);
@@ -187,8 +190,11 @@ void cover(const std::vector<Eigen::Vector3d>& outline, const BinBox& bin, const
     const Eigen::Vector3d x_floor = eye + (x_bin - eye) * ((eye.z() - bin.min.z()) / drop);
     const Eigen::Vector3d pixel =
         ((x_floor - bin.min).array() - kInset) / step - 0.5;  // of the flat floor
-    points.emplace_back(static_cast<int>(std::lround(pixel.x())),
-                        static_cast<int>(std::lround(pixel.y())));
+    // What lies nearly as high as the eye reaches farther than whole numbers do.
+    constexpr double kFarthest = 1e4;  // pixels
+    points.emplace_back(
+        static_cast<int>(std::lround(std::clamp(pixel.x(), -kFarthest, kFarthest))),
+        static_cast<int>(std::lround(std::clamp(pixel.y(), -kFarthest, kFarthest))));
   }
   if (points.size() > 2)
     cv::fillPoly(*covered, std::vector<std::vector<cv::Point>>{points}, cv::Scalar(255));

@@ -127,6 +127,20 @@ TEST(FloorCover, APartOfTheFloorOutOfViewIsInDoubt) {
 }
 
 // From aside, the near wall hides a strip of the floor.
+TEST(FloorCover, NumbersFarTooLargeAreInDoubt) {
+  for (const double half : {50.0, 1e5, 1e12}) {
+    BinBox bin = testBin();
+    bin.min.head<2>().setConstant(-half);
+    bin.max.head<2>().setConstant(half);
+    const FloorCover cover = findFloorCover(picture({}), testCamera(), bin);
+    EXPECT_FALSE(cover.isEmpty(kMark)) << half;
+    EXPECT_NE(cover.doubt, "");
+  }
+  // A part as high as the eye, whose shadow on the floor has no end.
+  const std::vector<Eigen::Vector3d> high = {{0.1, 0.0, 1e-9}, {0.2, 0.0, 1e-9}, {0.2, 0.1, 1e-9}};
+  EXPECT_NO_THROW(findFloorCover(picture({}), testCamera(), testBin(), {high}));
+}
+
 TEST(FloorCover, WhatTheWallsHideIsNotInView) {
   BinBox bin = testBin();
   bin.max.z() = 0.5;
