@@ -12,12 +12,13 @@ GOOD, LOOK, BAD = "GOOD", "LOOK", "BAD"
 
 NOISE = (3.0, 8.0)  # grey levels: up to the first it is GOOD, beyond the second BAD
 FLICKER = (2.0, 8.0)  # per cent of brightness from picture to picture
-BLUR = (1.5, 3.0)  # px, standard deviation of what an edge is smeared by; with noise up to a third too low
+BLUR = (1.5, 3.0)  # px, standard deviation of what an edge is smeared by
 SATURATED = (0.5, 5.0)  # per cent of the picture
 BRIGHTEST = (100.0, 50.0)  # grey level that one pixel in a hundred exceeds
 CONTRAST = (60.0, 30.0)  # between the darkest and the brightest hundredth
 GLARE = (0.05, 1.0)  # per cent of the picture, the largest spot
 SHARPEST = 0.3  # px; no pixel shows less
+FEWEST = 300  # px of edges that the blur is told from; in a ninth of the picture 50
 FULL = 254  # grey level of a pixel that may have been brighter
 
 
@@ -82,25 +83,56 @@ def blocks(picture, size=16):
     return cut.transpose(0, 2, 1, 3).reshape(rows * columns, size * size)
 
 
-def slope_of(picture):
-    """Grey levels per pixel."""
-    return cv2.magnitude(cv2.filter2D(picture, cv2.CV_32F, numpy.float32([[-0.5, 0, 0.5]])),
-                         cv2.filter2D(picture, cv2.CV_32F, numpy.float32([[-0.5], [0], [0.5]])))
+def slopes_of(picture):
+    """Along x and along y, grey levels per pixel."""
+    return (cv2.filter2D(picture, cv2.CV_32F, numpy.float32([[-0.5, 0, 0.5]])),
+            cv2.filter2D(picture, cv2.CV_32F, numpy.float32([[-0.5], [0], [0.5]])))
 
 
-def edge_blurs(picture, noise_level):
+def is_ridge(slope, along_x, along_y):
+    """Where the slope is the largest across the edge; along the edge nothing is chosen, or noise would choose."""
+    steep = 2.414  # tangent of 67.5 degrees
+    ridge = numpy.zeros(slope.shape, bool)
+    flat, upright = abs(along_x) > steep * abs(along_y), abs(along_y) > steep * abs(along_x)
+    falling = ~flat & ~upright & (along_x * along_y > 0.0)
+    rising = ~flat & ~upright & ~falling
+    middle = slope[1:-1, 1:-1]
+    for where, (dy, dx) in ((flat, (0, 1)), (upright, (1, 0)), (falling, (1, 1)), (rising, (1, -1))):
+        rows, columns = slope.shape
+        after = slope[1 + dy:rows - 1 + dy, 1 + dx:columns - 1 + dx]
+        before = slope[1 - dy:rows - 1 - dy, 1 - dx:columns - 1 - dx]
+        ridge[1:-1, 1:-1] |= where[1:-1, 1:-1] & (middle >= after) & (middle > before)
+    return ridge
+
+
+def edge_blurs_here(picture, noise_level):
     """x, y and blur in px of the steepest edges. A step smeared by s has a slope in proportion to 1 / s, smeared by
-    s0 besides, to 1 / sqrt(s^2 + s0^2): the ratio of both tells s, whatever the contrast."""
+    s0 besides, to 1 / sqrt(s^2 + s0^2): the ratio of both tells s, whatever the contrast. Edges are looked for, and
+    their direction taken, in the picture that is smeared besides: where noise alone is steep, it would pass for sharp."""
     besides = 2.0  # s0, px: more, and edges run into each other
     first = 0.5  # of the smoothing against noise
     smooth = cv2.GaussianBlur(picture, (0, 0), first)
-    slope, weaker = slope_of(smooth), slope_of(cv2.GaussianBlur(smooth, (0, 0), besides))
-    peak = (slope == cv2.dilate(slope, numpy.ones((5, 5), numpy.uint8))) & (slope > max(3.0, 5.0 * noise_level))
-    y, x = numpy.nonzero(peak)
-    ratio = slope[y, x] / numpy.maximum(weaker[y, x], 1e-3)
+    (sx, sy), (wx, wy) = slopes_of(smooth), slopes_of(cv2.GaussianBlur(smooth, (0, 0), besides))
+    weaker = cv2.magnitude(wx, wy)
+    # Of the noise, smeared by s0, 1 / (2 sqrt(2 pi) s0^2) is left in a slope.
+    least = max(1.5, 5.0 * noise_level / (5.0 * besides ** 2))
+    y, x = numpy.nonzero(is_ridge(weaker, wx, wy) & (weaker > least))
+    slope = (sx[y, x] * wx[y, x] + sy[y, x] * wy[y, x]) / weaker[y, x]
+    ratio = slope / weaker[y, x]
     smeared = besides / numpy.sqrt(numpy.maximum(ratio ** 2 - 1.0, 1e-3))
     # Without what the difference over two pixels and the smoothing add themselves.
     return x, y, numpy.sqrt(numpy.maximum(smeared ** 2 - 1.0 / 3.0 - first ** 2, SHARPEST ** 2))
+
+
+def edge_blurs(picture, noise_level):
+    """The same at the size of the picture at which the blur can be measured: wide ones are in a smaller one."""
+    widest = 2.0  # px, s0
+    x, y, blur = edge_blurs_here(picture, noise_level)
+    if min(picture.shape) < 200 or (len(blur) >= FEWEST and numpy.median(blur) <= widest):
+        return x, y, blur
+    half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+    hx, hy, half_blur = edge_blurs(half, 0.5 * noise_level)
+    return (2 * hx, 2 * hy, 2.0 * half_blur) if len(half_blur) >= FEWEST else (x, y, blur)
 
 
 def focus(picture, noise_level=0.0):
@@ -111,9 +143,9 @@ def focus(picture, noise_level=0.0):
     for row in range(3):
         for column in range(3):
             here = (3 * y // picture.shape[0] == row) & (3 * x // picture.shape[1] == column)
-            if here.sum() >= 20:
+            if here.sum() >= 50:
                 ninths[row, column] = numpy.median(blur[here])
-    if len(blur) < 50:
+    if len(blur) < FEWEST:
         return [Finding("blur of edges", float("nan"), "px", LOOK,
                         "there are too few edges to tell: put parts into the bin")], ninths
     found = [judged("blur of edges", float(numpy.median(blur)), "px", BLUR,
