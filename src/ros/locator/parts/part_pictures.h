@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// A picture of each part, as a topic of its own, for rviz: ~part_pictures/<part>. It is drawn for
+/// A picture of each part, as a topic of its own, for rviz: `~part_pictures/<part>`. It is drawn for
 /// those who look at it and anew when the part changes; five hundred parts that nobody looks at
 /// cost nothing.
 
