@@ -77,7 +77,8 @@ class StrangeEdges {
   /// Cost: that of finding edges, some 50 ms.
   StrangeEdges(const cv::Mat& image, const Camera& camera, const std::vector<Seen>& parts);
 
-  /// Metres of such edges where the tool comes down.
+  /// Metres of such edges where the tool comes down; below bodies that end more than 30 mm above
+  /// the contact nothing is looked for.
   double below(const std::vector<ToolBody>& bodies, const Eigen::Isometry3d& T_camera_pick) const;
 
  private:

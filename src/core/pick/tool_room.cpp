@@ -222,8 +222,10 @@ StrangeEdges::StrangeEdges(const cv::Mat& image, const Camera& camera,
 
 double StrangeEdges::below(const std::vector<ToolBody>& bodies,
                            const Eigen::Isometry3d& T_camera_pick) const {
+  constexpr double kClear = 0.03;  // metres; what lies beside a part does not rise so far above it
   cv::Mat footprints(edges_.size(), CV_8U, cv::Scalar(0));
   for (const ToolBody& body : bodies) {
+    if (body.high < -kClear) continue;  // a palm, say
     std::vector<cv::Point> seen, hull;
     for (const double z : {std::max(0.0, body.high), 0.0}) {
       for (const Eigen::Vector2d& corner : body.footprint) {

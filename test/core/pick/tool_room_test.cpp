@@ -203,6 +203,8 @@ TEST(ToolRoom, EdgesThatNobodyExplainsAreThoseOfOthers) {
   EXPECT_LT(at(0.0, 0.01), 0.004);     // the bracket's own edges
   EXPECT_LT(at(-0.03, 0.07), 0.004);   // nothing at all
   EXPECT_GT(at(0.030, -0.020), 0.03);  // the other one's four sides
+  const auto palm = toolBodies({-0.012, -0.012, -0.08, 0.012, 0.012, -0.04}, {});
+  EXPECT_EQ(edges.below(palm, Eigen::Isometry3d(Eigen::Translation3d(0.030, -0.020, 0.6))), 0.0);
   const StrangeEdges unknown(shot.image, shot.camera, {});
   EXPECT_GT(unknown.below(pad, Eigen::Isometry3d(Eigen::Translation3d(0.0, 0.01, 0.6))), 0.01);
 }
