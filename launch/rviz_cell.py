@@ -2,9 +2,9 @@
 # SPDX-FileCopyrightText: The planar_bin_picking authors
 # SPDX-License-Identifier: BSD-3-Clause
 """rviz for one cell: fills config/locator.rviz with the frames and topics of a locator that runs, and starts rviz
-with it. cell.launch rviz:=true does this.
+with it. cell.launch rviz:=true does this. With --teach it is config/teach.rviz, for the part of a teaching node.
 
-    rviz_cell.py LOCATOR [--image TOPIC] [--only-write] [further arguments of rviz]
+    rviz_cell.py NODE [--image TOPIC | --teach] [--only-write] [further arguments of rviz]
 
 With --only-write it prints the path of the filled file and ends."""
 import argparse
@@ -21,16 +21,16 @@ from sensor_msgs.msg import CameraInfo
 WAIT = 30.0  # s, for the locator's parameters and the camera's first message
 LENS = 45.0  # degrees that rviz shows
 SEEN = 0.6  # of what a camera sees at a distance, across
+CELLS = 60  # of the grid below a part that is taught
 
 
-def wait_for_cell(locator):
-    """The parameters ~cell of the locator."""
+def wait_for(parameter):
     end = time.monotonic() + WAIT
-    while not rospy.has_param(locator + "/cell"):
+    while not rospy.has_param(parameter):
         if time.monotonic() > end:
-            sys.exit(f"rviz_cell.py: there is no parameter {locator}/cell; start the locator, or give its name")
+            sys.exit(f"rviz_cell.py: there is no parameter {parameter}; start the node, or give its name")
         time.sleep(0.2)
-    return rospy.get_param(locator + "/cell")
+    return rospy.get_param(parameter)
 
 
 def camera_frame(image):
@@ -70,7 +70,7 @@ def cross(a, b):
 
 def fill(locator, image):
     """{word of the template: what takes its place}."""
-    cell = wait_for_cell(locator)
+    cell = wait_for(locator + "/cell")
     fixed = cell.get("target_frame") or camera_frame(image)
     if cell.get("bin_frame"):
         low, high = cell["bin_min"], cell["bin_max"]
@@ -88,9 +88,19 @@ def fill(locator, image):
     return words
 
 
-def write(locator, words):
-    """@return  path of the filled file; the next one of the same locator takes its place."""
-    template = os.path.join(rospkg.RosPack().get_path("planar_bin_picking"), "config", "locator.rviz")
+def fill_teach(node):
+    """The same for a part that is taught: all of it is in view, on a grid that suits it."""
+    part = wait_for(node + "/view")
+    cell = next(size for size in (0.001, 0.01, 0.1, 1.0) if CELLS * size > 4.0 * part["radius"])
+    return {"NODE": node, "FOCUS_X": round(part["x"], 4), "FOCUS_Y": round(part["y"], 4),
+            "DISTANCE": round(2.0 * part["radius"] / math.tan(math.radians(LENS) / 2.0) * 0.8, 4),
+            "NEAR": round(0.2 * part["radius"], 4), "CELL": cell, "CELL_MM": f"{1e3 * cell:g}",
+            "CELLS": CELLS, "BELOW": round(-0.3 * part["radius"], 4)}
+
+
+def write(locator, words, name):
+    """@return  path of the filled file; the next one of the same node takes its place."""
+    template = os.path.join(rospkg.RosPack().get_path("planar_bin_picking"), "config", name)
     with open(template, encoding="utf-8") as file:
         text = file.read()
     for word, value in words.items():
@@ -104,13 +114,17 @@ def write(locator, words):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("locator", help="name of the locator's node")
+    parser.add_argument("node", help="name of the locator, or of the teaching node")
+    parser.add_argument("--teach", action="store_true")
     parser.add_argument("--image", default="camera/image_raw", help="topic; camera_info stands beside it")
     parser.add_argument("--only-write", action="store_true")
     own, others = parser.parse_known_args()
     rospy.init_node("rviz_cell", anonymous=True, argv=[], disable_signals=True)
-    locator = rospy.resolve_name(own.locator)
-    path = write(locator, fill(locator, rospy.resolve_name(own.image)))
+    node = rospy.resolve_name(own.node)
+    if own.teach:
+        path = write(node, fill_teach(node), "teach.rviz")
+    else:
+        path = write(node, fill(node, rospy.resolve_name(own.image)), "locator.rviz")
     if own.only_write:
         print(path)
         return

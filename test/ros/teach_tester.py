@@ -88,6 +88,7 @@ class Teach(unittest.TestCase):
 
     def choose(self, name, title, words, **fields):
         """From a marker's menu, and waits for what is said then."""
+        self.comes_true(lambda: name in self.markers)  # what is said may come before what is shown
         entry, = [entry.id for entry in self.markers[name].menu_entries if entry.title == title]
         self.status = ""
         self.send(name, InteractiveMarkerFeedback.MENU_SELECT, menu_entry_id=entry, pose=self.markers[name].pose,
@@ -113,6 +114,8 @@ class Teach(unittest.TestCase):
 
     def assert_fault(self, name, words=""):
         """The pose is red and the part's marker says why; or neither."""
+        self.comes_true(lambda: name in self.markers)
+
         def is_so():
             color = self.drawn(name, Marker.CYLINDER)[0].color
             said = " ".join(" ".join(text.text.split()) for text in self.drawn(PART, Marker.TEXT_VIEW_FACING))
@@ -126,6 +129,20 @@ class Teach(unittest.TestCase):
         self.assertEqual(said.returncode, 0, said.stderr)
         summary = yaml.safe_load(said.stdout)
         return summary["pick_poses"], summary["warnings"]
+
+    def test_rviz_looks_at_the_part(self):
+        said = subprocess.run([self.program("rviz_cell.py"), "teach", "--teach", "--only-write"], capture_output=True,
+                              text=True, timeout=UP)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        with open(said.stdout.strip()) as file:
+            text = file.read()
+        self.assertNotIn("@", text.split("\n", 1)[1])
+        rviz = yaml.safe_load(text)["Visualization Manager"]
+        view = rviz["Views"]["Current"]
+        self.assertAlmostEqual(view["Focal Point"]["X"], 0.06, delta=0.02)
+        self.assertAlmostEqual(view["Distance"], 0.28, delta=0.05)  # for 120 x 80 mm
+        topics = {display["Update Topic"] for display in rviz["Displays"] if "Update Topic" in display}
+        self.assertLessEqual(topics, {name for name, _ in rospy.get_published_topics()})
 
     def test_poses_are_taught_and_saved(self):
         self.assertEqual(set(self.markers), {PART, "elbow"})

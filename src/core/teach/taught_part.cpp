@@ -138,7 +138,8 @@ std::string TaughtPart::save() {
     replaceContent(yaml, changed);
   }
   readAnew();
-  return std::to_string(poses_.size()) + " pick poses written to " + target.string() + faults;
+  return std::to_string(poses_.size()) + (poses_.size() == 1 ? " pick pose" : " pick poses") +
+         " written to " + target.string() + faults;
 }
 
 void TaughtPart::readAnew() {

@@ -147,8 +147,9 @@ InteractiveMarker partMarker(const TaughtPart& taught, const std::string& news) 
   addAxes(kAxis * part.radius(), &control.markers);
   Eigen::AlignedBox2d box;
   for (const auto& p : part.file().drawing.loops.front().points) box.extend(p);
-  const std::string text = part.name() + ": " + std::to_string(taught.poses().size()) +
-                           " pick poses" + (taught.isChanged() ? ", not saved" : "");
+  const std::size_t count = taught.poses().size();
+  const std::string text = part.name() + ": " + std::to_string(count) + " pick pose" +
+                           (count == 1 ? "" : "s") + (taught.isChanged() ? ", not saved" : "");
   control.markers.push_back(makeText(
       text + (news.empty() ? "" : "\n" + wrapped(news, kTextWidth)), colorOf(1.0f, 1.0f, 1.0f),
       {box.center().x(), box.max().y() + 0.4 * part.radius(), 0.0}, kText * part.radius()));

@@ -10,6 +10,7 @@
 #include <ros/console.h>
 #include <std_msgs/String.h>
 
+#include <map>
 #include <optional>
 #include <stdexcept>
 
@@ -48,6 +49,10 @@ TeachRos::TeachRos(const ros::NodeHandle&, const ros::NodeHandle& pnh)
   ros::NodeHandle handle = pnh;
   status_ = handle.advertise<std_msgs::String>(kStatusTopic, 1, kLatch);
   save_ = handle.advertiseService(kSaveService, &TeachRos::serveSave, this);
+  const planar_bin_picking::PartModel& part = taught_.part();  // for rviz_cell.py: what to look at
+  handle.setParam(
+      "view", std::map<std::string, double>{
+                  {"x", part.center().x()}, {"y", part.center().y()}, {"radius", part.radius()}});
   addPartMenu();
   addPoseMenu();
   show("right-click the part to add a pick pose, a pick pose to change it");

@@ -86,7 +86,7 @@ TEST_F(TaughtPartTest, AFileWithAWrongPoseCanBeMended) {
   TaughtPart taught(path);
   EXPECT_NE(taught.faultOf(taught.pose("cup")), "");
   taught.change(snappedToNormal(taught.pose("cup"), 0.003));
-  EXPECT_NE(taught.save().find("1 pick poses written"), std::string::npos);
+  EXPECT_NE(taught.save().find("1 pick pose written"), std::string::npos);
   EXPECT_TRUE(zOf(loadPartFile(path).pick_poses[0]).isApprox(-Eigen::Vector3d::UnitZ(), 1e-6));
 }
 
