@@ -200,6 +200,13 @@ class Installed(unittest.TestCase):
         self.assertRegex(subprocess.run(["./run"], cwd=PACKAGE, capture_output=True, text=True).stdout, r"\./run test")
         command("test")  # this is it
 
+    def test_rosrun_knows_the_programs_of_the_checkout(self):
+        environment = installed_environment(BUILD / "devel/setup.bash", self.root)
+        for line in ("describe_part config/parts/bracket.yaml", "play_scene.py --help"):
+            output = subprocess.run("rosrun planar_bin_picking " + line, shell=True, cwd=PACKAGE, env=environment, text=True,
+                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60, stdin=subprocess.DEVNULL)
+            self.assertEqual(output.returncode, 0, output.stdout)
+
     def from_checkout(self, line):
         """A command that is called in the checkout, whose files it reads, with results elsewhere."""
         folder = self.root / "checkout"
