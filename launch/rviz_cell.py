@@ -34,13 +34,13 @@ def wait_for(parameter):
 
 
 def camera_frame(image):
-    """As the camera's messages name it."""
+    """As the camera's messages name it; None where none comes, as from a camera that waits for its trigger."""
     topic = image.rsplit("/", 1)[0] + "/camera_info"
     try:
         return rospy.wait_for_message(topic, CameraInfo, WAIT).header.frame_id.lstrip("/")
     except rospy.ROSException:
-        sys.exit(f"rviz_cell.py: no message on {topic} within {WAIT:.0f} s says what the camera's frame is; start the "
-                 "camera, or set ~cell/target_frame and the bin")
+        rospy.logwarn(f"rviz_cell.py: no message on {topic} within {WAIT:.0f} s says what the camera's frame is")
+        return None
 
 
 def in_frame(fixed, frame, point):
@@ -72,6 +72,8 @@ def fill(locator, image):
     """{word of the template: what takes its place}."""
     cell = wait_for(locator + "/cell")
     fixed = cell.get("target_frame") or camera_frame(image)
+    if fixed is None:
+        sys.exit("rviz_cell.py: nobody says what the fixed frame is; start the camera, or set ~cell/target_frame")
     if cell.get("bin_frame"):
         low, high = cell["bin_min"], cell["bin_max"]
         frame, middle = cell["bin_frame"], [(a + b) / 2.0 for a, b in zip(low, high)]
@@ -83,7 +85,7 @@ def fill(locator, image):
     words = {"FIXED_FRAME": fixed, "LOCATOR": locator, "POINT": rospy.resolve_name("clicked_point"),
              "DISTANCE": round(size / 2.0 / math.tan(math.radians(LENS) / 2.0), 3),
              "DOWN": "false" if cell.get("target_frame") else "true"}  # a camera's z points away from it
-    focus = in_frame(fixed, frame, middle)
+    focus = [0.0, 0.0, 0.0] if frame is None else in_frame(fixed, frame, middle)
     words.update(zip(("FOCUS_X", "FOCUS_Y", "FOCUS_Z"), (round(m, 4) for m in focus)))
     return words
 
@@ -91,7 +93,7 @@ def fill(locator, image):
 def fill_teach(node):
     """The same for a part that is taught: all of it is in view, on a grid that suits it."""
     part = wait_for(node + "/view")
-    cell = next(size for size in (0.001, 0.01, 0.1, 1.0) if CELLS * size > 4.0 * part["radius"])
+    cell = next((size for size in (0.001, 0.01, 0.1) if CELLS * size > 4.0 * part["radius"]), 1.0)
     return {"NODE": node, "FOCUS_X": round(part["x"], 4), "FOCUS_Y": round(part["y"], 4),
             "DISTANCE": round(2.0 * part["radius"] / math.tan(math.radians(LENS) / 2.0) * 0.8, 4),
             "NEAR": round(0.2 * part["radius"], 4), "CELL": cell, "CELL_MM": f"{1e3 * cell:g}",
