@@ -7,6 +7,7 @@
 #include "shared/names.h"
 
 #include <ros/callback_queue_interface.h>
+#include <ros/console.h>
 #include <visualization_msgs/InteractiveMarker.h>
 #include <boost/make_shared.hpp>
 
@@ -27,7 +28,11 @@ class Posted : public ros::CallbackInterface {
  public:
   explicit Posted(std::function<void()> act) : act_(std::move(act)) {}
   CallResult call() override {
-    act_();
+    try {
+      act_();
+    } catch (const std::exception& error) {  // nothing that rviz sends may end the node
+      ROS_ERROR_STREAM("region: " << error.what());
+    }
     return Success;
   }
 
