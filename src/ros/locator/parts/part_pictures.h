@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// A picture of each part, as a topic of its own, for rviz: `~part_pictures/<part>`. It is drawn for
-/// those who look at it and anew when the part changes; five hundred parts that nobody looks at
+/// A picture of each part, as a topic of its own, for rviz: `~part_pictures/<part>`. It is drawn
+/// for those who look at it and anew when the part changes; five hundred parts that nobody looks at
 /// cost nothing.
 
 #include "locator/parts/part_store.h"
