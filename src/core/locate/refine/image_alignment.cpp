@@ -92,17 +92,6 @@ Matrix6d covarianceOf(const std::vector<Row>& rows, const Vector6d& xi, double t
   return H_inverse * squares * H_inverse * (std::max(kUnknowns + 1, clusters) / left);
 }
 
-/// Variance of a shift across the line of sight by kLightPx; none where no edge tells of a shift.
-Eigen::Matrix3d lightVariance(const std::vector<Row>& rows, const Eigen::Isometry3d& T) {
-  double px_per_radius = 0.0;
-  for (const auto& row : rows)
-    px_per_radius += row.J.head<3>().norm() / static_cast<double>(rows.size());
-  if (px_per_radius <= 0.0) return Eigen::Matrix3d::Zero();
-  const Eigen::Vector3d sight = T.linear().transpose() * T.translation().normalized();
-  return std::pow(kLightPx / px_per_radius, 2) *
-         (Eigen::Matrix3d::Identity() - sight * sight.transpose());
-}
-
 /// Pose and edge offset together, by the final weights.
 void tellOffset(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
                 const Eigen::LDLT<Matrix6d>& solver, const Vector6d& b, ImagePose* out) {
@@ -135,6 +124,18 @@ void tellOffset(const std::vector<Row>& rows, const Vector6d& xi, double tukey_p
 }
 
 }  // namespace
+
+Eigen::Matrix3d lightVariance(const std::vector<Row>& rows,
+                              const Eigen::Isometry3d& T_camera_centre) {
+  double px_per_radius = 0.0;
+  for (const auto& row : rows)
+    px_per_radius += row.J.head<3>().norm() / static_cast<double>(rows.size());
+  if (px_per_radius <= 0.0) return Eigen::Matrix3d::Zero();
+  const Eigen::Vector3d sight =
+      T_camera_centre.linear().transpose() * T_camera_centre.translation().normalized();
+  return std::pow(kLightPx / px_per_radius, 2) *
+         (Eigen::Matrix3d::Identity() - sight * sight.transpose());
+}
 
 double trustOf(double wall_px, double reach_px) {
   const bool clear = wall_px < kWallUnseenPx || wall_px > reach_px + kWallBeyondReachPx;
@@ -188,7 +189,6 @@ ImagePose imagePoseAt(const std::vector<Row>& rows, const Vector6d& xi, double t
   const Matrix6d H = system.H + kPrior * Matrix6d::Identity();
   const Eigen::LDLT<Matrix6d> solver(H);
   out.covariance = covarianceOf(rows, xi, tukey_px, system.H, solver.solve(Matrix6d::Identity()));
-  out.covariance.topLeftCorner<3, 3>() += lightVariance(rows, out.T_camera_centre);
   tellOffset(rows, xi, tukey_px, solver, system.b, &out);
   return out;
 }
@@ -208,7 +208,10 @@ ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
       [](const Vector6d& at, const Vector6d& step) -> Vector6d {
         return (at + step).cwiseMax(-kStepMost).cwiseMin(kStepMost);
       });
-  return imagePoseAt(rows, xi, tukey_px, T_camera_centre, solid.radius);
+  ImagePose out = imagePoseAt(rows, xi, tukey_px, T_camera_centre, solid.radius);
+  if (out.status == AlignmentStatus::kAligned)
+    out.covariance.topLeftCorner<3, 3>() += lightVariance(rows, out.T_camera_centre);
+  return out;
 }
 
 }  // namespace planar_bin_picking

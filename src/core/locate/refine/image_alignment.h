@@ -57,12 +57,18 @@ std::vector<AlignmentRow> associate(const EdgeMap& edges, const Camera& camera,
 NormalEquations normalEquations(const std::vector<AlignmentRow>& rows, const Vector6d& xi,
                                 double tukey_px);
 
+/// Variance of a shift of the pose across the line of sight (centre axes, radii squared): light
+/// from one side moves opposite edges the same way. None where no edge tells of a shift. Several
+/// views under one light share it, so it is no part of imagePoseAt.
+Eigen::Matrix3d lightVariance(const std::vector<AlignmentRow>& rows,
+                              const Eigen::Isometry3d& T_camera_centre);
+
 /// The pose stepped by xi, and what the edges say of it by their weights there.
 ImagePose imagePoseAt(const std::vector<AlignmentRow>& rows, const Vector6d& xi, double tukey_px,
                       const Eigen::Isometry3d& T_camera_centre, double radius);
 
 /// One association and a few steps of the robust least squares with Tukey weights of width
-/// `tukey_px`. Cost: O(points * reach).
+/// `tukey_px`; the covariance with the shift by the light. Cost: O(points * reach).
 ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
                        const std::vector<LocalPoint>& points, const Solid& solid,
                        const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,

@@ -183,24 +183,30 @@ TEST(ImageAlignment, TheCostIsBoundedAndItsSlopeIsTheGradient) {
 }
 
 /// However exact the edges look: each may be off by 0.22 pixels, and as much all of one of eight
-/// sides alike. Six unknowns follow the 24 clusters. And light from one side may shift all by 0.14
-/// pixels across the line of sight.
+/// sides alike. Six unknowns follow the 24 clusters.
 TEST(ImageAlignment, TheCovarianceCountsWhatResidualsCannotTell) {
-  const auto rows = evenRows(240);
-  double px_per_radius = 0.0;
-  for (const auto& row : rows) px_per_radius += row.J.head<3>().norm() / 240.0;
-  const double light = std::pow(0.14 / px_per_radius, 2);
+  const Matrix6d covariance = poseOf(evenRows(240)).covariance;
   const double variance_px2 = 0.22 * 0.22 * (1.0 / 40.0 + 1.0 / 8.0) * 24.0 / 18.0;
-  const Eigen::Vector3d axes[] = {{0, 0, 1}, {1, 0, 0}};
-  for (const auto& sight : axes) {  // the part lies on the optical axis, or is seen from its edge
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.translation() = sight;
-    const Matrix6d covariance = imagePoseAt(rows, Vector6d::Zero(), kTukeyPx, T, 0.05).covariance;
-    for (int k = 0; k < 6; ++k) {
-      const double shift = k < 3 ? (1.0 - sight(k)) * light : 0.0;
-      EXPECT_NEAR(covariance(k, k), 1e-4 * variance_px2 + shift, 1e-3 * 1e-4 * variance_px2) << k;
-    }
-  }
+  for (int k = 0; k < 6; ++k)
+    EXPECT_NEAR(covariance(k, k), 1e-4 * variance_px2, 1e-3 * 1e-4 * variance_px2) << k;
+}
+
+/// Of 0.14 pixels, where half of the edges tell of a shift, by 100 pixels for a radius.
+TEST(ImageAlignment, LightShiftsAPoseAcrossTheLineOfSight) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() << 0.0, 0.0, 0.7;
+  const double variance = std::pow(0.14 / 50.0, 2);
+  const Eigen::Vector3d across(variance, variance, 0.0);
+  EXPECT_TRUE(lightVariance(evenRows(240), T).isApprox(across.asDiagonal().toDenseMatrix(), 1e-9));
+  T.rotate(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitX()));  // seen from its edge
+  const Eigen::Vector3d turned(variance, 0.0, variance);
+  EXPECT_TRUE(lightVariance(evenRows(240), T).isApprox(turned.asDiagonal().toDenseMatrix(), 1e-9));
+  EXPECT_TRUE(lightVariance(std::vector<AlignmentRow>(9, {Vector6d::Zero(), 0.0, 0.0, 1.0}), T)
+                  .isZero(0.0));
+  const ImagePose aligned =
+      poseFrom(shoot(sceneOf(bracketPlate(), kLie)), localPoints(*kBracket, 320, isShape));
+  const double px_per_radius = 1700.0 * kBracket->radius() / 0.6;
+  EXPECT_GT(aligned.covariance(0, 0), std::pow(0.14 / px_per_radius, 2));
 }
 
 TEST(ImageAlignment, HowFarOffAnOutlierIsDoesNotMatter) {
