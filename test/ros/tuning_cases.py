@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: The planar_bin_picking authors
 # SPDX-License-Identifier: BSD-3-Clause
 """What an operator changes while a locator runs: cases of operation_tester.py."""
+import math
 import threading
 
 import rospy
 from dynamic_reconfigure.client import Client
 from planar_bin_picking.msg import RefusedPart
 from planar_bin_picking.srv import LocatePartResponse as Status
+from operation_region import center
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
@@ -60,6 +62,17 @@ class TuningCases:
         self.call("op", Status.OK, part="bracket")
         shown = [m for m in rospy.wait_for_message("op/scene", MarkerArray, UP).markers if m.ns == "bin"]
         self.assertAlmostEqual(max(point.z for point in shown[0].points), rim, places=6)
+
+    def test_parts_are_offered_clockwise(self):
+        tuning = self.tuning("order_clockwise")
+        tuning.update_configuration({"order_clockwise": 1000.0})
+        parts = self.call("op", Status.OK, part="bracket").parts
+        self.assertGreater(len(parts), 1)
+
+        def turn(part):
+            x, y, _ = center(part) - [0.56, 0.0, 0.0]  # from the bin's middle
+            return math.atan2(x, y) % (2.0 * math.pi)
+        self.assertEqual([turn(part) for part in parts], sorted(turn(part) for part in parts))
 
     def test_a_change_waits_for_the_next_call(self):
         tuning = self.tuning("max_parts")

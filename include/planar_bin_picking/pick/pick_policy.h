@@ -69,6 +69,7 @@ struct PickParams {
     visit("near_y", self.order.near_y, -100.0, 100.0);
     visit("near_z", self.order.near_z, -100.0, 100.0);
     visit("order_walls", self.order.walls, 0.0, 1000.0);
+    visit("order_clockwise", self.order.clockwise, 0.0, 1000.0);
   }
 };
 

@@ -11,7 +11,7 @@ double points(const PickPlace& place, const PickOrder& order) {
   const Eigen::Vector3d point(order.near_x, order.near_y, order.near_z);
   return place.rank + order.height * place.height -
          order.near * (place.center_target - point).norm() +
-         order.walls * std::min(place.wall_distance, kWallFarthest);
+         order.walls * std::min(place.wall_distance, kWallFarthest) - order.clockwise * place.turn;
 }
 
 std::vector<std::size_t> ordered(const std::vector<PickPlace>& places, const PickOrder& order) {

@@ -140,6 +140,9 @@ PickPlace placeOf(const PickCandidate& candidate, const std::optional<PickBin>& 
   place.height = x_bin.z();
   place.wall_distance = std::min({x_bin.x() - bin->min.x(), bin->max.x() - x_bin.x(),
                                   x_bin.y() - bin->min.y(), bin->max.y() - x_bin.y()});
+  const Eigen::Vector3d from_middle = x_bin - 0.5 * (bin->min + bin->max);
+  place.turn = std::atan2(from_middle.x(), from_middle.y()) / (2.0 * EIGEN_PI);
+  if (place.turn < 0.0) place.turn += 1.0;
   return place;
 }
 

@@ -80,6 +80,15 @@ TEST(PickOrder, IsThatOfThePolicysOffers) {
   PickPolicy away{params};
   EXPECT_EQ(offered(away.plan({at_wall, high, middle}, bin)), Indices({2, 1, 0}));
   EXPECT_EQ(offered(away.plan({at_wall, high, middle}, std::nullopt)), Indices({0, 2, 1}));
+  // Clockwise about the middle, from the bin's y axis on.
+  params.order = {};
+  params.order.clockwise = 10.0;
+  PickPolicy clockwise{params};
+  std::vector<PickCandidate> around;  // at 3, 12, 9 and 6 o'clock
+  for (const auto& [x, y] : {std::pair{0.1, 0.0}, {0.001, 0.1}, {-0.1, 0.0}, {0.0, -0.1}})
+    around.push_back(candidateAt(x, y));
+  EXPECT_EQ(offered(clockwise.plan(around, bin)), Indices({1, 0, 3, 2}));
+  EXPECT_EQ(offered(clockwise.plan(around, std::nullopt)), Indices({0, 1, 2, 3}));
   // What failed before comes last, wherever it lies; max_parts cuts after that.
   away.fail(middle);
   const auto plan = away.plan({at_wall, middle}, bin, 1);
