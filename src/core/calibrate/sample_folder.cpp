@@ -127,6 +127,11 @@ SampleSet readSet(const YAML::Node& root, const std::string& path) {
         valueAs<std::string>(root["dictionary"], path, "dictionary", "one of OpenCV's");
   }
   const auto size = numbersAt(root, path, "image_size", 2);
+  constexpr double kPixelsMost = 1e5;
+  for (const double side : size) {
+    if (side >= 1.0 && side <= kPixelsMost && side == std::floor(side)) continue;
+    throwBadValue(path, "image_size", root["image_size"], "width and height in pixels");
+  }
   problem.width = static_cast<int>(size[0]);
   problem.height = static_cast<int>(size[1]);
   set.camera_frame =

@@ -139,6 +139,11 @@ TEST(SampleFolder, SaysWhatIsWrong) {
   EXPECT_TRUE(refused("eye_in_hand", "in_the_eye", {"corners.yaml", "mounting", "eye_to_hand"}));
   EXPECT_TRUE(refused("board: 9x6", "board: 9x7", {"sample 1", "corners", "126 numbers"}));
   EXPECT_TRUE(refused("image_size", "image_sise", {"image_sise"}));
+  const std::string size = "image_size: [" + std::to_string(setOf(0).problem.width);
+  for (const char* const width : {"1e12", "0", "-5", "640.5"}) {
+    EXPECT_TRUE(refused(size, std::string("image_size: [") + width,
+                        {"corners.yaml", "image_size", "width and height in pixels"}));
+  }
   EXPECT_TRUE(refused("orientation: [", "orientation: [5, ", {"sample 1", "orientation"}));
   EXPECT_TRUE(refused("position: [", "position: [.nan, ", {"sample 1", "position"}));
 }
