@@ -140,7 +140,7 @@ int main(int argc, char** argv) {
       {"mistakes",
        [&] {
          printMistakes(seeds);
-         printMissingBoards(drawn);
+         printMissingBoards(seeds);
        }},
       {"refusals", [&] { printRefusals(seeds); }},
       {"park", [&] { printPark(seeds); }},
