@@ -199,8 +199,10 @@ std::string calibrationYaml(const HandEyeProblem& problem, const HandEyeResult& 
 
 /// What a file was made of, as one line for people.
 std::string madeOf(const HandEyeResult& result, const Made& made) {
-  std::string text = "camera \"" + made.names.camera_name + "\", calibrated " + made.date + ": " +
-                     nameOf(result.verdict);
+  std::string camera = made.names.camera_name;
+  for (char& c : camera) c = c == '\n' || c == '\r' ? ' ' : c;
+  std::string text =
+      "camera '" + camera + "', calibrated " + made.date + ": " + nameOf(result.verdict);
   if (!result.solved) return text;
   return text + ", expected error " + yamlNumber(result.expected_error_mm, 3) + " mm and " +
          yamlNumber(result.expected_error_deg, 3) + " deg";

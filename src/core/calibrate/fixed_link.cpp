@@ -32,11 +32,18 @@ std::string escaped(const std::string& raw) {
   return out;
 }
 
+/// XML has no "--" in a comment, nor a "-" at its end.
+std::string comment(const std::string& raw) {
+  std::string out = "<!-- ";
+  for (const char c : escaped(raw)) out += c == '-' && out.back() == '-' ? " -" : std::string(1, c);
+  return out + " -->\n";
+}
+
 }  // namespace
 
 std::string staticTransformLaunch(const FixedLink& link) {
-  return "<!-- " + escaped(link.comment) +
-         " -->\n<launch>\n  <node pkg=\"tf2_ros\" type=\"static_transform_publisher\" "
+  return comment(link.comment) +
+         "<launch>\n  <node pkg=\"tf2_ros\" type=\"static_transform_publisher\" "
          "name=\"hand_eye_transform\"\n        args=\"" +
          joined(link.T_parent_child.translation()) + " " +
          joined(quaternionOf(link.T_parent_child.linear()).coeffs()) + " " + escaped(link.parent) +
@@ -49,8 +56,8 @@ std::string handEyeXacro(const FixedLink& link) {
                             std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
                             std::atan2(R(1, 0), R(0, 0)));
   const std::string parent = escaped(link.parent), child = escaped(link.child);
-  return "<?xml version=\"1.0\"?>\n<!-- " + escaped(link.comment) +
-         " -->\n<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n  <link name=\"" + child +
+  return "<?xml version=\"1.0\"?>\n" + comment(link.comment) +
+         "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n  <link name=\"" + child +
          "\"/>\n  <joint name=\"hand_eye\" type=\"fixed\">\n    <parent link=\"" + parent +
          "\"/>\n    <child link=\"" + child + "\"/>\n    <origin xyz=\"" +
          joined(link.T_parent_child.translation()) + "\" rpy=\"" + joined(rpy) +

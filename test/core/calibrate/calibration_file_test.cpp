@@ -224,6 +224,21 @@ TEST_F(CalibrationFile, WritesLaunchAndXacro) {
   EXPECT_TRUE(isometryNear(rigid(R, p), result_.T_mount_camera, 1e-8, 1e-7));
 }
 
+// XML has no "--" within a comment, and a new line ends one of YAML.
+TEST_F(CalibrationFile, AnyNameOfACameraIsOneComment) {
+  saveCalibration(out(), problem_, result_, {"left--<eye>\nfx: 1", "tool0", "eye"});
+  for (const char* name : {"static_transform.launch", "hand_eye.xacro"}) {
+    const std::string text = read(out(name));
+    const auto begin = text.find("<!-- ") + 5, end = text.find(" -->");
+    ASSERT_LT(begin, end) << text;
+    const std::string comment = text.substr(begin, end - begin);
+    EXPECT_EQ(comment.find("camera 'left- -&lt;eye&gt; fx: 1', calibrated 20"), 0u) << comment;
+    EXPECT_EQ(comment.find("--"), std::string::npos) << comment;
+  }
+  EXPECT_NEAR(loadCamera(out("camera_info.yaml")).model().fx, result_.camera.fx, 1e-5);
+  EXPECT_EQ(loadHandEye(out("hand_eye.yaml")).camera_name, "left--<eye>\nfx: 1");
+}
+
 TEST_F(CalibrationFile, PoorDoesNotReplaceGoodUnlessTold) {
   EXPECT_EQ(save(), out());
   const std::string good = read(out("hand_eye.yaml"));
