@@ -136,7 +136,10 @@ class CalibrationCell {
       return true;
     }
     response.reachable = true;
-    if (manner_now == "dies") _exit(1);
+    if (manner_now == "dies") {
+      ros::WallDuration(0.3).sleep();  // until what was published has been sent
+      _exit(1);
+    }
     const bool is_start = target.isApprox(world_.T_base_start, 1e-6);
     if (manner_now == "protective" || (manner_now == "no_return" && is_start)) {
       response.message = "the light curtain was broken";
