@@ -95,6 +95,20 @@ std::vector<std::size_t> nearest(const std::vector<cv::Point2f>& all, std::size_
   return out;
 }
 
+bool isJoinedTo(const Crossing& crossing, std::size_t other) {
+  return std::find(crossing.next.begin(), crossing.next.end(), other) != crossing.next.end();
+}
+
+/// Whether four corners, in order, form a square as one sees it aslant: nearly a parallelogram, and
+/// no flat one.
+bool isSquare(const std::array<cv::Point2f, 4>& p) {
+  constexpr double kOff = 0.25, kSineLeast = 0.3;  // off: a share of the shorter side
+  const cv::Point2f u = p[1] - p[0], v = p[3] - p[0];
+  const double off = cv::norm(p[0] - p[1] + p[2] - p[3]);
+  const double a = cv::norm(u), b = cv::norm(v);
+  return off < kOff * std::min(a, b) && std::abs(u.cross(v)) > kSineLeast * a * b;
+}
+
 }  // namespace
 
 std::vector<Crossing> findCrossings(const cv::Mat& image) {
@@ -120,14 +134,32 @@ std::vector<Crossing> findCrossings(const cv::Mat& image) {
   return crossings;
 }
 
-bool leavePicture(const std::vector<Crossing>& crossings, const cv::Size& image) {
+std::vector<bool> onSquares(const std::vector<Crossing>& crossings) {
+  std::vector<bool> on(crossings.size(), false);
+  for (std::size_t p = 0; p < crossings.size(); ++p) {
+    for (const std::size_t q : crossings[p].next) {
+      for (const std::size_t r : crossings[q].next) {
+        for (const std::size_t s : crossings[r].next) {
+          if (!isJoinedTo(crossings[s], p)) continue;
+          if (!isSquare({crossings[p].at, crossings[q].at, crossings[r].at, crossings[s].at}))
+            continue;
+          on[p] = on[q] = on[r] = on[s] = true;
+        }
+      }
+    }
+  }
+  return on;
+}
+
+bool leavePicture(const std::vector<Crossing>& crossings, const std::vector<bool>& on_squares,
+                  const cv::Size& image) {
   constexpr float kSides = 1.2F;  // at the very border a crossing is not found
   const cv::Rect2f picture(0.0F, 0.0F, static_cast<float>(image.width - 1),
                            static_cast<float>(image.height - 1));
   for (const Crossing& crossing : crossings) {
     for (const std::size_t k : crossing.next) {
       const cv::Point2f beyond = crossing.at + kSides * (crossing.at - crossings[k].at);
-      if (!picture.contains(beyond)) return true;
+      if (on_squares[k] && !picture.contains(beyond)) return true;
     }
   }
   return false;

@@ -20,7 +20,14 @@ struct Crossing {
 /// @param image  8 bit
 std::vector<Crossing> findCrossings(const cv::Mat& image);
 
-/// Whether the board goes on beyond the picture's border: where the next crossing would be.
-bool leavePicture(const std::vector<Crossing>& crossings, const cv::Size& image);
+/// Which of them are corners of whole squares. Parts in a bin have many crossings, some of them
+/// joined, but no squares of such.
+std::vector<bool> onSquares(const std::vector<Crossing>& crossings);
+
+/// Whether the board goes on beyond the picture's border: where the next crossing behind one of its
+/// squares would be.
+/// @param on_squares  see above
+bool leavePicture(const std::vector<Crossing>& crossings, const std::vector<bool>& on_squares,
+                  const cv::Size& image);
 
 }  // namespace planar_bin_picking

@@ -39,13 +39,11 @@ enum class PartOfBoard { kNone, kInside, kCutOff };
 /// detectors look for whole grids; of a board that is cut off aslant there is none left.
 PartOfBoard partOfBoard(const cv::Mat& image) {
   const std::vector<Crossing> crossings = findCrossings(image);
-  // Ends of two sides at least; of such, chance makes few.
-  constexpr std::ptrdiff_t kFewest = 4;
-  const auto cornersOfSquares =
-      std::count_if(crossings.begin(), crossings.end(),
-                    [](const Crossing& crossing) { return crossing.next.size() >= 2; });
-  if (cornersOfSquares < kFewest) return PartOfBoard::kNone;
-  return leavePicture(crossings, image.size()) ? PartOfBoard::kCutOff : PartOfBoard::kInside;
+  const std::vector<bool> on_squares = onSquares(crossings);
+  constexpr std::ptrdiff_t kFewest = 6;  // two squares
+  if (std::count(on_squares.begin(), on_squares.end(), true) < kFewest) return PartOfBoard::kNone;
+  return leavePicture(crossings, on_squares, image.size()) ? PartOfBoard::kCutOff
+                                                           : PartOfBoard::kInside;
 }
 
 /// Nobody needs all pictures to see a miscount: some, evenly spread.

@@ -8,9 +8,11 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <string>
 
 namespace planar_bin_picking {
 namespace {
@@ -153,6 +155,15 @@ TEST(Checkerboard, CoveredIsNotOutOfView) {
   const cv::Point middle(image.cols / 2, image.rows / 2);
   cv::circle(image, middle, image.rows / 10, cv::Scalar(90), cv::FILLED);
   EXPECT_EQ(whyBoardIsMissing({image}, {9, 6, 0.02}).find("part of a board"), 0u)
+      << whyBoardIsMissing({image}, {9, 6, 0.02});
+}
+
+// Their edges and holes have crossings, some of which look joined.
+TEST(Checkerboard, PartsInABinAreNone) {
+  const std::string scene = std::string(PACKAGE_DIR) + "/test/data/bin_bracket_00/image.png";
+  const cv::Mat image = cv::imread(scene, cv::IMREAD_GRAYSCALE);
+  ASSERT_FALSE(image.empty());
+  EXPECT_EQ(whyBoardIsMissing({image}, {9, 6, 0.02}).find("no board"), 0u)
       << whyBoardIsMissing({image}, {9, 6, 0.02});
 }
 
