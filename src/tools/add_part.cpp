@@ -14,6 +14,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -64,7 +66,11 @@ class Scratch {
  public:
   explicit Scratch(const fs::path& beside)
       : path_(beside / (".add_part_" + std::to_string(getpid()))) {
-    fs::create_directory(path_);
+    std::error_code error;
+    fs::create_directory(path_, error);
+    if (error)
+      throw std::runtime_error(beside.string() + ": cannot be written to (" + error.message() +
+                               "); check its permissions, or give another folder");
   }
   ~Scratch() {
     std::error_code ignored;  // nothing is lost by it
@@ -77,6 +83,23 @@ class Scratch {
  private:
   fs::path path_;
 };
+
+/// What a file's name cannot hold, or what hides it.
+void checkName(const std::string& name) {
+  const bool is_odd = std::any_of(name.begin(), name.end(), [](const unsigned char c) {
+    return c == '/' || std::iscntrl(c) != 0;
+  });
+  if (is_odd || name.front() == '.')
+    throw std::invalid_argument("--name is \"" + name +
+                                "\", must have no slash, no line break and no dot in front");
+}
+
+void checkThickness(const std::optional<double>& thickness_mm) {
+  constexpr double kMost = 1000.0;  // as a part file's
+  if (!thickness_mm || (*thickness_mm >= 0.0 && *thickness_mm <= kMost)) return;
+  throw std::invalid_argument("--thickness-mm is " + yamlNumber(*thickness_mm) +
+                              ", must be between 0 (unknown) and 1000");
+}
 
 void checkFree(const Options& options) {
   if (!fs::is_directory(options.folder))
@@ -110,8 +133,11 @@ PartFile takeDrawing(Options* options, const fs::path& dxf) {
 int run(Options options) {
   const fs::path drawing(options.drawing);
   if (options.name.empty()) options.name = drawing.stem().string();
-  if (options.name.find('/') != std::string::npos)
-    throw std::invalid_argument("--name " + options.name + " has a slash in it");
+  if (const std::string kind = drawing.extension().string(); kind == ".yaml" || kind == ".yml")
+    throw std::invalid_argument(options.drawing +
+                                ": is a part file; give the drawing that it names");
+  checkName(options.name);
+  checkThickness(options.thickness_mm);
   if (isStep(options.drawing) && !options.units.empty())
     throw std::invalid_argument("--units is for drawings; a STEP file says its own");
   checkFree(options);
@@ -148,8 +174,7 @@ int main(int argc, char** argv) {
   app.add_option("FOLDER", options.folder, "the parts folder")->required();
   app.add_option("--name", options.name, "of the part; default: as the drawing is called");
   app.add_option("--thickness-mm", options.thickness_mm,
-                 "of the part; default: the STEP file's, or 0: unknown")
-      ->check(CLI::NonNegativeNumber);
+                 "of the part; default: the STEP file's, or 0: unknown");
   app.add_option("--units", options.units, "of the drawing, in place of what it says of itself")
       ->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
   app.footer(

@@ -67,7 +67,13 @@ TEST_F(AddPart, LeavesTheFolderAsItWasWhereItRefuses) {
   EXPECT_TRUE(refused(kBracket + " " + dir_.path("none"), {"no folder"}));
   dir_.write("bad.dxf", "no drawing");
   EXPECT_TRUE(refused(dir_.path("bad.dxf") + " " + dir_.path("parts"), {"bad.dxf"}));
-  EXPECT_TRUE(refused(kBracket + " " + dir_.path("parts") + " --name a/b", {"slash"}));
+  EXPECT_TRUE(refused(kBracket + " " + dir_.path("parts") + " --name a/b", {"a/b", "slash"}));
+  EXPECT_TRUE(refused(kBracket + " " + dir_.path("parts") + " --name .b", {"--name", "dot"}));
+  for (const std::string wrong : {"nan", "-1", "1001"})
+    EXPECT_TRUE(refused(kBracket + " " + dir_.path("parts") + " --thickness-mm " + wrong,
+                        {"--thickness-mm is ", wrong, "1000"}));
+  EXPECT_TRUE(refused(dir_.write("part.yaml", "drawing: bad.dxf\n") + " " + dir_.path("parts"),
+                      {"part.yaml", "part file"}));
   EXPECT_EQ(files(), 0u);
   dir_.write("parts/bracket.yaml", "mine");
   EXPECT_TRUE(refused(kBracket + " " + dir_.path("parts"), {"bracket.yaml", "--name"}));
