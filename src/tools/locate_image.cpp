@@ -305,7 +305,9 @@ Task taskOf(const CLI::App& app, const Options& options) {
     return {snapshot.grey, snapshot.camera, snapshot.params, snapshot.request};
   }
   if (options.distance_min > options.distance_max)
-    throw std::invalid_argument("--distance-min is greater than --distance-max");
+    throw std::invalid_argument("--distance-min is " + yamlNumber(options.distance_min) +
+                                ", must not be greater than --distance-max, which is " +
+                                yamlNumber(options.distance_max));
   const Camera camera = loadCamera(options.camera);
   const LocatorParams params =
       options.params.empty() ? LocatorParams() : loadLocatorParams(options.params);

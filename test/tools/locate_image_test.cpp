@@ -107,7 +107,7 @@ TEST_F(LocateImage, RefusesWrongArguments) {
   EXPECT_TRUE(refused("--distance-min 0,8", {"--distance-min", "0,8", "metres"}));
   EXPECT_TRUE(refused("--distance-max -1", {"--distance-max", "-1"}));
   EXPECT_TRUE(refused(part_ + " " + camera_ + " " + image_ + " --distance-min 2 --distance-max 1",
-                      {"--distance-min is greater"}));
+                      {"--distance-min is 2", "--distance-max, which is 1"}));
   EXPECT_TRUE(refused("--face up", {"--face", "up", "front", "back", "any"}));
   for (const char* count : {"-1", "1.5", "many", "1x", "99999999999999999999"})
     EXPECT_TRUE(refused(std::string("--max-parts ") + count, {"--max-parts", count, "whole"}));
