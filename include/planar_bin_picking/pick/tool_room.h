@@ -59,8 +59,8 @@ bool touchesBin(const ToolWay& way, const PickBin& bin);
 bool touchesPart(const ToolWay& way, const LyingPart& other);
 
 /// Whether bodies that reach beside the part do not leave the part itself free: fingers that are
-/// opened too little for it, or turned the wrong way. Cups and magnets that end at its face do not
-/// count: they are pressed on.
+/// opened too little for it, or turned the wrong way. Cups and magnets that end at its face, or up
+/// to 1.5 mm below it, do not count: they are pressed on.
 /// @param T_part_pick  as the part's file has it
 bool touchesOwnPart(const std::vector<ToolBody>& bodies, const PartModel& part,
                     const Eigen::Isometry3d& T_part_pick);

@@ -78,7 +78,7 @@ int stepsOver(double span, double step) {
 double finerBy(const PartModel& part, const HoughParams& params) {
   constexpr double kAcross = 3.5;  // cells from one edge to the next; most parts have as many
   constexpr double kMost = 3.0;    // the search takes the third power as long
-  const double turn = 2.0 * M_PI / std::max(1, part.nearOrder());  // of a gear half a tooth
+  const double turn = 2.0 * M_PI / std::max(1, part.nearOrder());  // of a gear a tooth and a gap
   const double apart = std::min(meanWidthOf(part), turn * part.radius());
   return std::clamp(kAcross * part.radius() / apart / params.radius_cells, 1.0, kMost);
 }

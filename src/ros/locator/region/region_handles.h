@@ -31,8 +31,7 @@ class RegionHandles {
   };
 
   /// @param pnh  its callback queue does what is wanted: rviz is answered in a thread that holds
-  /// the
-  ///             server's own lock
+  ///             the server's own lock
   RegionHandles(const ros::NodeHandle& pnh, std::string frame, Actions actions);
   ~RegionHandles();
   RegionHandles(const RegionHandles&) = delete;
