@@ -21,7 +21,7 @@ struct PickOrder {
       0.0;            ///< points per metre that a part lies higher (z of the bin, or of the answer)
   double near = 0.0;  ///< points per metre that it lies nearer to the point
   double near_x = 0.0, near_y = 0.0, near_z = 0.0;  ///< the point, metres, in the answer's frame
-  double walls = 0.0;  ///< points per metre from the nearest wall, up to kWallFarthest
+  double walls = 0.0;  ///< points per metre from the nearest wall, up to 0.1 m
   /// Points that the first has over the last, clockwise about the bin's middle as one looks in,
   /// from the bin's y axis on.
   double clockwise = 0.0;
