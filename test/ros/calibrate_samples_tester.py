@@ -133,7 +133,7 @@ class CalibrateSamples(InCell):
         self.check_call(heir, "verify", "the calibration holds: ", " would be expected")
         rospy.set_param("/calibration_cell/bump_mm", 4.0)
         try:
-            self.move_to(self.cell.targets[0])
+            self.go_to_start()  # where the board is in view
             time.sleep(PICTURE_PASSES)
             calibrator = self.calibrator  # it has seen nothing of before
             self.check_call(calibrator, "verify", "camera or board has moved by ", "a further view", success=False)

@@ -26,6 +26,8 @@ constexpr std::size_t kMotions = 2;  // searched together at most
 /// Field pixels by which the fastest point moves from one pose to the next, and off an edgel.
 constexpr double kStepPx = 1.5, kReachPx = 3.0;
 constexpr int kApart = 3;  // steps between two peaks
+/// Poses that are looked at, at most: of more the steps are longer, for time.
+constexpr double kMostPoses = 20000.0;
 
 /// Displacement along the normal per unit of x, y, turn and relative size.
 Eigen::Vector4d jacobian(const LocalPoint& p) {
@@ -94,10 +96,14 @@ std::vector<Eigen::Isometry3d> Slides::peaks(const Field& field, double radius,
     std::array<int, kMotions> steps;
   };
   const double radius_px = field.focal * radius / T_camera_centre.translation().z();
+  double poses = 1.0;
+  for (const Motion& motion : motions_)
+    poses *= 2.0 * motion.most * motion.fastest * radius_px / kStepPx + 1.0;
+  const double step_px = kStepPx * std::sqrt(std::max(1.0, poses / kMostPoses));
   std::array<int, kMotions> steps{};
   std::array<double, kMotions> step{};
   for (std::size_t k = 0; k < motions_.size(); ++k) {
-    step[k] = kStepPx / (radius_px * motions_[k].fastest);
+    step[k] = step_px / (radius_px * motions_[k].fastest);
     steps[k] = static_cast<int>(motions_[k].most / step[k]);
   }
   const auto poseAt = [&](const std::array<int, kMotions>& at) {
