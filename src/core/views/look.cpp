@@ -21,8 +21,9 @@ namespace {
 constexpr double kInPicture = 0.6, kBorderPx = 10.0;
 /// Inlier scores: of a pose that fits a view; and what it may have less than the view's own best.
 constexpr double kFits = 0.45, kWorse = 0.12;
-/// From this on, a pose that nobody has named is one that has been seen, not one that chance made:
-/// of one view alone, and of all views where they contradict what was known.
+/// From this on, a pose is one that has been seen, not one that chance made: asked of one view
+/// alone, of the views that the pose was known from, and of all where they contradict what was
+/// known.
 constexpr double kClear = 0.65;
 /// With less of the outline than kFits and more than this, something is in front of the part.
 constexpr double kHidden = 0.3;
@@ -215,10 +216,12 @@ void Looker::judge(const Detection& known, const std::vector<ViewPtr>& views, co
   const Matrix6d covariance = inMetres(fit.pose.covariance, radius);
   const Eigen::Isometry3d T = facePose(fit.pose.state, known.face, radius);
   const bool another = isAnother(known, seen.T_known, T, covariance, radius);
-  const double enough = another ? kClear : kFits;
   bool fits = fit.pose.chi_squared < kChiSquared * std::max(1, fit.pose.freedom);
-  for (std::size_t k = 0; k < views.size(); ++k)
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    const bool is_new = k + 1 == views.size();
+    const double enough = is_new && !another ? kFits : kClear;
     fits = fits && fit.scores[k] > enough && fit.scores[k] > seen.own[k] - kWorse;
+  }
   const auto place = [&](const Eigen::Isometry3d& T_first_centre, const Matrix6d& uncertainty) {
     out->detection.T_camera_part = T_first_centre * seen.part.T_part_centre.inverse();
     out->detection.covariance = uncertainty;

@@ -255,6 +255,23 @@ TEST_F(LookAgain, SaysWhatItFoundInNumbers) {
   EXPECT_GT(depthSigma(apart.detection), 2.0 * depthSigma(look(truth_, second_).detection));
 }
 
+/// Half of its outline is there in either view, and agrees: it is not what was seen first.
+TEST_F(LookAgain, WhatFitsByHalfIsNotConfirmed) {
+  const sim::Plate half{
+      {{-33, -29}, {15, -29}, {15, -9}, {-3, -9}, {-3, 21}, {-33, 21}}, {}, {}, 0.0};
+  sim::Scene scene;
+  scene.plates.push_back({half, truth_});
+  const auto first = viewOf(scene, Eigen::Isometry3d::Identity(), 2);
+  const auto second = viewOf(scene, T_first_second_, 3);
+  const auto result = Looker(kExact).look(knownAt(truth_), *kBracket, {first, second});
+  EXPECT_EQ(std::string(nameOf(result.status)), "contradicted") << result.text;
+  const auto said = numbersIn(result.text);
+  ASSERT_EQ(said.size(), 6u) << result.text;
+  EXPECT_GT(said[0], 45.0);  // as much as a view that hides a part may have
+  EXPECT_GT(said[1], 45.0);
+  EXPECT_LT(said[0], 65.0);
+}
+
 TEST_F(LookAgain, SaysWhyNothingFits) {
   const auto gone = look(truth_, viewOf(sim::Scene(), T_first_second_, 3));
   EXPECT_EQ(std::string(nameOf(gone.status)), "contradicted");

@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace planar_bin_picking {
@@ -21,8 +22,8 @@ constexpr double kFar = 0.4;
 constexpr double kAligned = 0.06;
 /// Displacement per amount from which on a point tells.
 constexpr double kTelling = 0.3;
-constexpr std::size_t kFew = 4;      // telling points: fewer agree by chance
-constexpr std::size_t kMotions = 2;  // searched together at most
+constexpr std::size_t kFew = 4;  // telling points: fewer agree by chance
+constexpr int kMotions = 2;      // searched together at most
 /// Field pixels by which the fastest point moves from one pose to the next, and off an edgel.
 constexpr double kStepPx = 1.5, kReachPx = 3.0;
 constexpr int kApart = 3;  // steps between two peaks
@@ -47,11 +48,11 @@ Eigen::Isometry3d moved(const Eigen::Isometry3d& T_camera_centre, double radius,
 
 /// The two motions that the outline tells least, and of these first the one that moves the bulk of
 /// it less: a bar along its length, not that mixed with a change of size. In columns.
-Eigen::Matrix<double, 4, 2> weakest(const std::vector<LocalPoint>& shape) {
+Eigen::Matrix<double, 4, kMotions> weakest(const std::vector<LocalPoint>& shape) {
   Eigen::Matrix4d all = Eigen::Matrix4d::Zero();
   for (const auto& p : shape) all += jacobian(p) * jacobian(p).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(all);
-  const Eigen::Matrix<double, 4, 2> plane = solver.eigenvectors().leftCols<2>();
+  const Eigen::Matrix<double, 4, kMotions> plane = solver.eigenvectors().leftCols<kMotions>();
   std::vector<Eigen::Vector2d> moves;
   for (const auto& p : shape) moves.emplace_back(plane.transpose() * jacobian(p));
   std::sort(moves.begin(), moves.end(), [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -67,8 +68,8 @@ Eigen::Matrix<double, 4, 2> weakest(const std::vector<LocalPoint>& shape) {
 
 Slides::Slides(const std::vector<LocalPoint>& shape) {
   if (shape.empty()) return;
-  const Eigen::Matrix<double, 4, 2> directions = weakest(shape);
-  for (int k = 0; k < 2; ++k) {
+  const Eigen::Matrix<double, 4, kMotions> directions = weakest(shape);
+  for (int k = 0; k < kMotions; ++k) {
     const Eigen::Vector4d direction = directions.col(k);
     std::vector<double> moves;
     for (const auto& p : shape) moves.push_back(std::abs(jacobian(p).dot(direction)));
