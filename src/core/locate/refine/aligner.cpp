@@ -43,8 +43,8 @@ constexpr std::array<std::array<double, 3>, 8> kSearch = {{{0.03, 0, 0},
                                                            {0, 0, -0.12},
                                                            {-0.06, 0, 0}}};
 
-/// Starts along the slides of an outline, for each of its turns; and the reach from there, a share
-/// of that at first: the slides leave a step.
+/// Starts along the slides of an outline and of its turns, the best of all; and the reach from
+/// there, a share of that at first: the slides leave a step.
 constexpr std::size_t kSlideStarts = 4;
 constexpr double kSlideReach = 0.3;
 
@@ -69,45 +69,55 @@ Aligner::Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams&
   }
 }
 
-PoseHypothesis Aligner::alignToField(const Candidate& candidate) const {
-  const PartOutline& outline = outlines_[candidate.part];
+PoseHypothesis Aligner::alignInFieldFrom(const Eigen::Isometry3d& T_camera_centre, std::size_t part,
+                                         Face face, double reach_radii) const {
+  const PartOutline& outline = outlines_[part];
   const double radius = outline.part->radius();
-  const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, candidate.face);
-  const Eigen::Isometry3d T_start = candidate.T_camera_part * T_part_centre;
-  const Field& field = edges_.fieldOf(candidate.part);
-  const double reach_px =
-      params_.field_reach_radii * field.focal * radius / T_start.translation().z();
-  const auto from = [&](const Eigen::Isometry3d& T_from, double reach) {
-    PoseHypothesis out;
-    out.part = candidate.part;
-    out.face = candidate.face;
-    const Eigen::Isometry3d T = alignInField(field, outline.field, radius, T_from, reach, params_);
-    out.T_camera_part = T * T_part_centre.inverse();
-    out.inlier_score = fieldInlierScore(field, outline.field, radius, T,
-                                        kFieldInlierReach * params_.field_reach_end_px);
-    return out;
-  };
-  PoseHypothesis best = from(T_start, reach_px);
-  for (const Eigen::Isometry3d& T : slidesOf(best)) {
-    const PoseHypothesis other = from(T, kSlideReach * reach_px);
-    if (other.inlier_score > best.inlier_score) best = other;
-  }
-  return best;
+  const Field& field = edges_.fieldOf(part);
+  const double reach_px = reach_radii * field.focal * radius / T_camera_centre.translation().z();
+  const Eigen::Isometry3d T =
+      alignInField(field, outline.field, radius, T_camera_centre, reach_px, params_);
+  PoseHypothesis out;
+  out.part = part;
+  out.face = face;
+  out.T_camera_part = T * centreOf(*outline.part, face).inverse();
+  out.inlier_score = fieldInlierScore(field, outline.field, radius, T,
+                                      kFieldInlierReach * params_.field_reach_end_px);
+  return out;
 }
 
-std::vector<Eigen::Isometry3d> Aligner::slidesOf(const PoseHypothesis& pose) const {
+PoseHypothesis Aligner::alignToField(const Candidate& candidate) const {
+  const PartModel& part = *outlines_[candidate.part].part;
+  return alignInFieldFrom(candidate.T_camera_part * centreOf(part, candidate.face), candidate.part,
+                          candidate.face, params_.field_reach_radii);
+}
+
+void Aligner::slideInField(PoseHypothesis* pose) const {
+  PoseHypothesis best = *pose;
+  for (const SlidPose& start : slidesOf(*pose)) {
+    const PoseHypothesis other = alignInFieldFrom(start.T_camera_centre, pose->part, pose->face,
+                                                  kSlideReach * params_.field_reach_radii);
+    if (other.inlier_score > best.inlier_score) best = other;
+  }
+  *pose = best;
+}
+
+std::vector<SlidPose> Aligner::slidesOf(const PoseHypothesis& pose) const {
   const PartOutline& outline = outlineOf(pose);
   if (outline.slides.empty()) return {};
   std::vector<Eigen::Isometry3d> turned{pose.T_camera_part};
   for (const auto& other : outline.part->nearSymmetries())
     if (!other.flips && !other.exact) turned.push_back(pose.T_camera_part * other.T_part_turned);
-  std::vector<Eigen::Isometry3d> out;
+  std::vector<SlidPose> out;
   for (const Eigen::Isometry3d& T_camera_part : turned) {
     const auto peaks =
         outline.slides.peaks(edges_.fieldOf(pose.part), outline.part->radius(),
                              T_camera_part * centreOf(*outline.part, pose.face), kSlideStarts);
     out.insert(out.end(), peaks.begin(), peaks.end());
   }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const SlidPose& a, const SlidPose& b) { return a.score > b.score; });
+  if (out.size() > kSlideStarts) out.resize(kSlideStarts);
   return out;
 }
 
@@ -117,11 +127,11 @@ void Aligner::align(const std::vector<LocalPoint>& points, const SearchProfile& 
                     const std::array<double, N>& tukey_px, PoseHypothesis* pose) const {
   const PartModel& part = *outlineOf(*pose).part;
   const Eigen::Isometry3d T_part_centre = centreOf(part, pose->face);
-  pose->image.T_camera_centre = pose->T_camera_part * T_part_centre;
-  for (const double tukey : tukey_px) {
-    pose->image = alignInImage(edges_, camera_, points, solidOf(part, pose->face),
-                               pose->image.T_camera_centre, profile, tukey);
-  }
+  const Solid solid = solidOf(part, pose->face);
+  Eigen::Isometry3d T = pose->T_camera_part * T_part_centre;
+  for (std::size_t k = 0; k + 1 < N; ++k)
+    T = stepInImage(edges_, camera_, points, solid, T, profile, tukey_px[k]);
+  pose->image = alignInImage(edges_, camera_, points, solid, T, profile, tukey_px.back());
   pose->T_camera_part = pose->image.T_camera_centre * T_part_centre.inverse();
   pose->inlier_score = inlierScoreOf(*pose, points);
 }
@@ -145,8 +155,10 @@ void Aligner::alignNarrow(PoseHypothesis* pose) const {
 
 void Aligner::searchAround(PoseHypothesis* pose) const {
   if (pose->searched || pose->inlier_score > params_.search_below) return;
+  const PartModel& part = *outlineOf(*pose).part;
   const auto& points = outlineOf(*pose).of(pose->face).coarse;
-  const Eigen::Isometry3d T_part_centre = centreOf(*outlineOf(*pose).part, pose->face);
+  const Solid solid = solidOf(part, pose->face);
+  const Eigen::Isometry3d T_part_centre = centreOf(part, pose->face);
   PoseHypothesis best = *pose;
   best.inlier_score = inlierScoreOf(*pose, points);
   for (const auto& [farther, about_x, about_y] : kSearch) {
@@ -158,8 +170,11 @@ void Aligner::searchAround(PoseHypothesis* pose) const {
                                   .toRotationMatrix();
     other.T_camera_part = T * T_part_centre.inverse();
     const int reach = wideReach(other);
-    align(points, {reach, false, kWideSigma},
-          std::array<double, 2>{1.0 * reach, kSearchTukeyLast * reach}, &other);
+    const SearchProfile profile{reach, false, kWideSigma};
+    for (const double tukey : {1.0 * reach, kSearchTukeyLast * reach})
+      T = stepInImage(edges_, camera_, points, solid, T, profile, tukey);
+    other.T_camera_part = T * T_part_centre.inverse();
+    other.inlier_score = inlierScoreOf(other, points);
     if (other.inlier_score > best.inlier_score) best = other;
   }
   alignWide(&best);

@@ -16,9 +16,10 @@ class Aligner {
   Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams& params,
           const std::vector<std::shared_ptr<const PartModel>>& parts);
 
-  /// Coarse refinement in the distance field. Where most of an outline stays on itself as it moves
-  /// (slides.h), the best of such places.
+  /// Coarse refinement in the distance field.
   PoseHypothesis alignToField(const Candidate& candidate) const;
+  /// Where most of an outline stays on itself as it moves (slides.h), to the best of such places.
+  void slideInField(PoseHypothesis* pose) const;
   /// In the image, from what the field leaves (a small share of the part's size) to within the
   /// narrow reach.
   void alignWide(PoseHypothesis* pose) const;
@@ -44,8 +45,10 @@ class Aligner {
 
  private:
   int wideReach(const PoseHypothesis& pose) const;
-  /// Starts along the slides of the outline and of its near-symmetries, T_camera_centre.
-  std::vector<Eigen::Isometry3d> slidesOf(const PoseHypothesis& pose) const;
+  PoseHypothesis alignInFieldFrom(const Eigen::Isometry3d& T_camera_centre, std::size_t part,
+                                  Face face, double reach_radii) const;
+  /// Starts along the slides of the outline and of its near-symmetries, the best first.
+  std::vector<SlidPose> slidesOf(const PoseHypothesis& pose) const;
   template <std::size_t N>
   void align(const std::vector<LocalPoint>& points, const SearchProfile& profile,
              const std::array<double, N>& tukey_px, PoseHypothesis* pose) const;

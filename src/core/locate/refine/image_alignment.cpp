@@ -193,21 +193,44 @@ ImagePose imagePoseAt(const std::vector<Row>& rows, const Vector6d& xi, double t
   return out;
 }
 
+/// One association, and the steps of its robust least squares.
+struct Steps {
+  std::vector<Row> rows;
+  Vector6d xi;
+};
+
+static Steps stepsOf(const EdgeMap& edges, const Camera& camera,
+                     const std::vector<LocalPoint>& points, const Solid& solid,
+                     const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
+                     double tukey_px) {
+  Steps out{associate(edges, camera, points, solid, T_camera_centre, profile), {}};
+  LevenbergMarquardtParams params;
+  params.evaluations = kEvaluations;
+  params.width = params.width_end = tukey_px;
+  params.gain_least = kGainLeast * static_cast<double>(out.rows.size());
+  out.xi = minimise(
+      Vector6d(Vector6d::Zero()), params,
+      [&](const Vector6d& at, int, double width) { return normalEquations(out.rows, at, width); },
+      [](const Vector6d& at, const Vector6d& step) -> Vector6d {
+        return (at + step).cwiseMax(-kStepMost).cwiseMin(kStepMost);
+      });
+  return out;
+}
+
+Eigen::Isometry3d stepInImage(const EdgeMap& edges, const Camera& camera,
+                              const std::vector<LocalPoint>& points, const Solid& solid,
+                              const Eigen::Isometry3d& T_camera_centre,
+                              const SearchProfile& profile, double tukey_px) {
+  const auto [rows, xi] = stepsOf(edges, camera, points, solid, T_camera_centre, profile, tukey_px);
+  const bool few = normalEquations(rows, xi, tukey_px).used < kFewEdges;
+  return few ? T_camera_centre : stepped(T_camera_centre, xi, solid.radius);
+}
+
 ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
                        const std::vector<LocalPoint>& points, const Solid& solid,
                        const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
                        double tukey_px) {
-  const auto rows = associate(edges, camera, points, solid, T_camera_centre, profile);
-  LevenbergMarquardtParams params;
-  params.evaluations = kEvaluations;
-  params.width = params.width_end = tukey_px;
-  params.gain_least = kGainLeast * static_cast<double>(rows.size());
-  const Vector6d xi = minimise(
-      Vector6d(Vector6d::Zero()), params,
-      [&](const Vector6d& at, int, double width) { return normalEquations(rows, at, width); },
-      [](const Vector6d& at, const Vector6d& step) -> Vector6d {
-        return (at + step).cwiseMax(-kStepMost).cwiseMin(kStepMost);
-      });
+  const auto [rows, xi] = stepsOf(edges, camera, points, solid, T_camera_centre, profile, tukey_px);
   ImagePose out = imagePoseAt(rows, xi, tukey_px, T_camera_centre, solid.radius);
   if (out.status == AlignmentStatus::kAligned)
     out.covariance.topLeftCorner<3, 3>() += lightVariance(rows, out.T_camera_centre);

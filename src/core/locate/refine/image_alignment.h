@@ -67,7 +67,14 @@ Eigen::Matrix3d lightVariance(const std::vector<AlignmentRow>& rows,
 ImagePose imagePoseAt(const std::vector<AlignmentRow>& rows, const Vector6d& xi, double tukey_px,
                       const Eigen::Isometry3d& T_camera_centre, double radius);
 
-/// One association and a few steps of the robust least squares with Tukey weights of width
+/// One association and a few steps from it: the pose alone, where more steps follow. Left alone
+/// where too few edges are found.
+Eigen::Isometry3d stepInImage(const EdgeMap& edges, const Camera& camera,
+                              const std::vector<LocalPoint>& points, const Solid& solid,
+                              const Eigen::Isometry3d& T_camera_centre,
+                              const SearchProfile& profile, double tukey_px);
+
+/// The same as the last step, with what the edges say of the pose by Tukey weights of width
 /// `tukey_px`; the covariance with the shift by the light. Cost: O(points * reach).
 ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
                        const std::vector<LocalPoint>& points, const Solid& solid,

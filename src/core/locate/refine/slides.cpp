@@ -88,9 +88,9 @@ Slides::Slides(const std::vector<LocalPoint>& shape) {
   if (telling_.size() < kFew) motions_.clear();
 }
 
-std::vector<Eigen::Isometry3d> Slides::peaks(const Field& field, double radius,
-                                             const Eigen::Isometry3d& T_camera_centre,
-                                             std::size_t count) const {
+std::vector<SlidPose> Slides::peaks(const Field& field, double radius,
+                                    const Eigen::Isometry3d& T_camera_centre,
+                                    std::size_t count) const {
   if (empty()) return {};
   struct Place {
     double score;
@@ -122,7 +122,7 @@ std::vector<Eigen::Isometry3d> Slides::peaks(const Field& field, double radius,
   std::stable_sort(places.begin(), places.end(),
                    [](const Place& a, const Place& b) { return a.score > b.score; });
   std::vector<std::array<int, kMotions>> taken;
-  std::vector<Eigen::Isometry3d> out;
+  std::vector<SlidPose> out;
   for (const Place& place : places) {
     if (out.size() == count) break;
     const auto near = [&](const std::array<int, kMotions>& other) {
@@ -131,7 +131,7 @@ std::vector<Eigen::Isometry3d> Slides::peaks(const Field& field, double radius,
     };
     if (std::any_of(taken.begin(), taken.end(), near)) continue;
     taken.push_back(place.steps);
-    out.push_back(poseAt(place.steps));
+    out.push_back({poseAt(place.steps), place.score});
   }
   return out;
 }

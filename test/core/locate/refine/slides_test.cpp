@@ -51,7 +51,7 @@ TEST(Slides, TheBestPlaceIsWhereTheEndsAndHolesAre) {
       const auto peaks =
           slidesOf(*part).peaks(field, part->radius(), slid(truth, along_mm, farther), 4);
       ASSERT_EQ(peaks.size(), 4u);
-      const Eigen::Vector3d off = truth.inverse() * peaks[0].translation();
+      const Eigen::Vector3d off = truth.inverse() * peaks[0].T_camera_centre.translation();
       EXPECT_LT(std::abs(off.x()), 2.0 * step) << along_mm << " " << farther;
     }
   }
@@ -66,7 +66,8 @@ TEST(Slides, PeaksLieApart) {
   ASSERT_EQ(peaks.size(), 8u);
   for (std::size_t i = 0; i < peaks.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      EXPECT_FALSE(isometryNear(peaks[i], peaks[j], 1e-3, 1e-3)) << i << " " << j;
+      EXPECT_FALSE(isometryNear(peaks[i].T_camera_centre, peaks[j].T_camera_centre, 1e-3, 1e-3))
+          << i << " " << j;
   EXPECT_TRUE(slidesOf(*part).peaks(field, part->radius(), truth, 0).empty());
 }
 
@@ -84,6 +85,7 @@ TEST(Slides, ABarIsFoundAlongItsLength) {
         Candidate candidate = candidateNear(slid(truth, along_mm, farther));
         candidate.T_camera_part.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
         PoseHypothesis pose = aligner.alignToField(candidate);
+        aligner.slideInField(&pose);
         aligner.alignWide(&pose);
         aligner.alignNarrow(&pose);
         EXPECT_TRUE(isometryNear(pose.T_camera_part, truth, 2e-3, 4.0 * kDegrees))
