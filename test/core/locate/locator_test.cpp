@@ -11,12 +11,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <limits>
 #include <optional>
 #include <random>
 #include <string>
-#include <utility>
 
 namespace planar_bin_picking {
 namespace {
@@ -332,44 +330,6 @@ TEST(Locator, PartsTellOneAnotherHowTheyLie) {
   const double alone = turnOf(one), among = turnOf(many);
   EXPECT_GT(among, 0.0);
   EXPECT_LT(among, 0.6 * alone);
-}
-
-/// A disc on whose rim a turn hides: seven holes on a circle for eight places.
-sim::Plate flangePlate() {
-  sim::Plate plate{circle(0, 0, 32), {circle(0, 0, 12, true)}, {}, 0.0};
-  for (int k = 0; k < 7; ++k) {
-    const double a = 45.0 * k * kDegrees;
-    plate.holes.push_back(circle(24 * std::cos(a), 24 * std::sin(a), 2, true));
-  }
-  return plate;
-}
-
-/// Processor time of the call that takes the least of three, on one thread.
-double secondsFor(const sim::Plate& plate, const cv::Mat& image) {
-  const Parts parts = {makePart("plate", plate)};
-  LocatorParams params;
-  params.threads = 1;
-  const Locator locator(params);
-  const Camera camera = makeCamera(kPinhole);
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
-    const std::clock_t start = std::clock();
-    locator.locate(image, camera, requestFor(parts));
-    least = std::min(least, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-  }
-  return least;
-}
-
-/// What is searched besides for some outlines (slides, near-symmetries, narrow webs) stays within
-/// bounds of a plain part's search: a robot waits.
-TEST(Locator, NoOutlineTakesManyTimesAsLong) {
-  sim::Scene scene = threeKinds();
-  for (const auto& [x, y] : {std::pair{-30, -60}, {10, 20}, {-120, 10}, {20, 110}, {120, 20}})
-    scene.plates.push_back({flangePlate(), sim::poseOf({1.0 * x, 1.0 * y, 600, 10.0 * x})});
-  const cv::Mat image = sim::takeImage(kPinhole, scene);
-  const double plain = secondsFor(bracketPlate(), image);
-  for (const auto& plate : {flangePlate(), slenderPlate(), wheelPlate(15, true), printedPlate()})
-    EXPECT_LT(secondsFor(plate, image), 6.0 * plain);
 }
 
 /// The scene anew: the ends of the distances, the place by half a cell of the vote, a turn of a
