@@ -92,16 +92,6 @@ PoseHypothesis Aligner::alignToField(const Candidate& candidate) const {
                           candidate.face, params_.field_reach_radii);
 }
 
-void Aligner::slideInField(PoseHypothesis* pose) const {
-  PoseHypothesis best = *pose;
-  for (const SlidPose& start : slidesOf(*pose)) {
-    const PoseHypothesis other = alignInFieldFrom(start.T_camera_centre, pose->part, pose->face,
-                                                  kSlideReach * params_.field_reach_radii);
-    if (other.inlier_score > best.inlier_score) best = other;
-  }
-  *pose = best;
-}
-
 std::vector<SlidPose> Aligner::slidesOf(const PoseHypothesis& pose) const {
   const PartOutline& outline = outlineOf(pose);
   if (outline.slides.empty()) return {};
@@ -153,27 +143,41 @@ void Aligner::alignNarrow(PoseHypothesis* pose) const {
   align(outlineOf(*pose).of(pose->face).fine, kNarrow, kNarrowTukey, pose);
 }
 
+std::vector<Eigen::Isometry3d> Aligner::startsAround(const PoseHypothesis& pose) const {
+  const Eigen::Isometry3d T = pose.T_camera_part * centreOf(*outlineOf(pose).part, pose.face);
+  std::vector<Eigen::Isometry3d> out;
+  if (pose.inlier_score <= params_.search_below) {
+    for (const auto& [farther, about_x, about_y] : kSearch) {
+      Eigen::Isometry3d start = T;
+      start.translation() *= 1.0 + farther;
+      start.linear() = T.linear() * (Eigen::AngleAxisd(about_x, Eigen::Vector3d::UnitX()) *
+                                     Eigen::AngleAxisd(about_y, Eigen::Vector3d::UnitY()))
+                                        .toRotationMatrix();
+      out.push_back(start);
+    }
+  }
+  for (const SlidPose& slid : slidesOf(pose)) out.push_back(slid.T_camera_centre);
+  return out;
+}
+
 void Aligner::searchAround(PoseHypothesis* pose) const {
-  if (pose->searched || pose->inlier_score > params_.search_below) return;
+  if (pose->searched) return;
+  const auto starts = startsAround(*pose);
+  if (starts.empty()) return;
   const PartModel& part = *outlineOf(*pose).part;
   const auto& points = outlineOf(*pose).of(pose->face).coarse;
   const Solid solid = solidOf(part, pose->face);
-  const Eigen::Isometry3d T_part_centre = centreOf(part, pose->face);
+  const Eigen::Isometry3d T_centre_part = centreOf(part, pose->face).inverse();
   PoseHypothesis best = *pose;
   best.inlier_score = inlierScoreOf(*pose, points);
-  for (const auto& [farther, about_x, about_y] : kSearch) {
+  for (Eigen::Isometry3d T : starts) {
     PoseHypothesis other = *pose;
-    Eigen::Isometry3d T = pose->T_camera_part * T_part_centre;
-    T.translation() *= 1.0 + farther;
-    T.linear() = T.linear() * (Eigen::AngleAxisd(about_x, Eigen::Vector3d::UnitX()) *
-                               Eigen::AngleAxisd(about_y, Eigen::Vector3d::UnitY()))
-                                  .toRotationMatrix();
-    other.T_camera_part = T * T_part_centre.inverse();
+    other.T_camera_part = T * T_centre_part;
     const int reach = wideReach(other);
     const SearchProfile profile{reach, false, kWideSigma};
     for (const double tukey : {1.0 * reach, kSearchTukeyLast * reach})
       T = stepInImage(edges_, camera_, points, solid, T, profile, tukey);
-    other.T_camera_part = T * T_part_centre.inverse();
+    other.T_camera_part = T * T_centre_part;
     other.inlier_score = inlierScoreOf(other, points);
     if (other.inlier_score > best.inlier_score) best = other;
   }

@@ -18,8 +18,6 @@ class Aligner {
 
   /// Coarse refinement in the distance field.
   PoseHypothesis alignToField(const Candidate& candidate) const;
-  /// Where most of an outline stays on itself as it moves (slides.h), to the best of such places.
-  void slideInField(PoseHypothesis* pose) const;
   /// In the image, from what the field leaves (a small share of the part's size) to within the
   /// narrow reach.
   void alignWide(PoseHypothesis* pose) const;
@@ -47,6 +45,8 @@ class Aligner {
   int wideReach(const PoseHypothesis& pose) const;
   PoseHypothesis alignInFieldFrom(const Eigen::Isometry3d& T_camera_centre, std::size_t part,
                                   Face face, double reach_radii) const;
+  /// Where a search begins, T_camera_centre.
+  std::vector<Eigen::Isometry3d> startsAround(const PoseHypothesis& pose) const;
   /// Starts along the slides of the outline and of its near-symmetries, the best first.
   std::vector<SlidPose> slidesOf(const PoseHypothesis& pose) const;
   template <std::size_t N>

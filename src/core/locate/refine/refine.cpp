@@ -46,8 +46,6 @@ std::vector<RefinedPose> refineCandidates(
 
   forAll([&](auto* p, int i) { *p = aligner.alignToField(candidates[i]); });
   suppress(kSameInField, params.field_inliers_min, params.min_poses);
-  forAll([&](auto* p, int) { aligner.slideInField(p); });
-  suppress(kSameInField, params.field_inliers_min, params.min_poses);
   forAll([&](auto* p, int) { aligner.alignWide(p); });
   suppress(kSameInImage, params.image_inliers_min);
   suppressOutscored();

@@ -71,7 +71,7 @@ TEST(Slides, PeaksLieApart) {
   EXPECT_TRUE(slidesOf(*part).peaks(field, part->radius(), truth, 0).empty());
 }
 
-/// Through the alignment in the field: far along, a little nearer or farther, and the other way
+/// By the search about a pose: far along, a little nearer or farther, and the other way
 /// round.
 TEST(Slides, ABarIsFoundAlongItsLength) {
   const Parts parts{makePart("bar", slenderPlate())};
@@ -85,8 +85,8 @@ TEST(Slides, ABarIsFoundAlongItsLength) {
         Candidate candidate = candidateNear(slid(truth, along_mm, farther));
         candidate.T_camera_part.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
         PoseHypothesis pose = aligner.alignToField(candidate);
-        aligner.slideInField(&pose);
         aligner.alignWide(&pose);
+        for (int round = 0; round < 2; ++round) aligner.searchAround(&pose);
         aligner.alignNarrow(&pose);
         EXPECT_TRUE(isometryNear(pose.T_camera_part, truth, 2e-3, 4.0 * kDegrees))
             << along_mm << " " << farther << " " << turn;
