@@ -323,7 +323,7 @@ TEST(Locator, PartsTellOneAnotherHowTheyLie) {
     for (const Detection& d : result.detections) {
       const Eigen::Vector3d off =
           d.T_camera_part.translation() - one.plates[0].T_camera_part.translation();
-      if (off.norm() < 0.01) return std::sqrt(d.covariance(3, 3));
+      if (off.norm() < 0.03) return std::sqrt(d.covariance(3, 3));
     }
     return 0.0;
   };

@@ -42,8 +42,7 @@ double varianceAt(double off2, int dimensions, double measured, double spread, d
 }  // namespace
 
 SceneFaces::SceneFaces(const std::vector<RefinedPose>& poses,
-                       const std::vector<std::shared_ptr<const PartModel>>& parts,
-                       const std::vector<double>& weights) {
+                       const std::vector<std::shared_ptr<const PartModel>>& parts) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const RefinedPose& pose = poses[i];
     const PartModel& part = *parts[pose.part];
@@ -51,24 +50,21 @@ SceneFaces::SceneFaces(const std::vector<RefinedPose>& poses,
     const Eigen::Matrix3d& R = T.linear();
     faces_.push_back({normalOf(pose.T_camera_part, pose.face), T.translation(), part.thickness(),
                       0.5 * (pose.covariance(3, 3) + pose.covariance(4, 4)),
-                      R * pose.covariance.topLeftCorner<3, 3>() * R.transpose(),
-                      weights.empty() ? 1.0 : weights[i]});
+                      R * pose.covariance.topLeftCorner<3, 3>() * R.transpose()});
   }
 }
 
 std::optional<ScenePlane> SceneFaces::plane(std::optional<std::size_t> left_out) const {
   std::vector<const Face*> faces;
-  std::vector<double> weights;
   for (std::size_t i = 0; i < faces_.size(); ++i) {
-    if (i == left_out || faces_[i].weight <= 0.0) continue;
+    if (i == left_out) continue;
     faces.push_back(&faces_[i]);
-    weights.push_back(faces_[i].weight);
   }
   if (faces.size() < kFew) return std::nullopt;
   std::vector<double> values(faces.size());
   const auto middle = [&](auto&& of) {
     for (std::size_t i = 0; i < faces.size(); ++i) values[i] = of(*faces[i]);
-    return weightedMedian(values, weights);
+    return median(values);
   };
   ScenePlane out;
   Eigen::Vector3d normal;
@@ -96,15 +92,6 @@ std::optional<ScenePlane> SceneFaces::plane(std::optional<std::size_t> left_out)
       std::sqrt((std::pow(out.tilt_spread, 2) + tilt_variance) / static_cast<double>(faces.size()));
   out.height_sigma = kAlike * std::sqrt(height_variance);
   return out;
-}
-
-double logTiltDensity(const ScenePlane& scene, const Eigen::Vector3d& normal_camera,
-                      double variance) {
-  const double off2 = (normal_camera - scene.plane.normal_camera).squaredNorm();
-  const double known = variance + std::pow(scene.tilt_sigma, 2);
-  return std::log((1.0 - kShareOutlying) *
-                      density(off2, 2, known + std::pow(scene.tilt_spread, 2)) +
-                  kShareOutlying * density(off2, 2, known + kOutlyingTilt * kOutlyingTilt));
 }
 
 void fuseWithScenePlane(const std::vector<std::shared_ptr<const PartModel>>& parts,

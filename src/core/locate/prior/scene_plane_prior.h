@@ -32,12 +32,9 @@ struct ScenePlane {
 /// The faces of a scene, kept so that the plane can be estimated without one of them.
 class SceneFaces {
  public:
-  /// @param poses   their covariances are about the centres of the visible faces
-  /// @param weights of the poses, 0..1: the probability that the tilt has the right sign; empty =
-  ///                all 1
+  /// @param poses  their covariances are about the centres of the visible faces
   SceneFaces(const std::vector<RefinedPose>& poses,
-             const std::vector<std::shared_ptr<const PartModel>>& parts,
-             const std::vector<double>& weights = {});
+             const std::vector<std::shared_ptr<const PartModel>>& parts);
 
   /// @param left_out  index of the pose that is left out; nothing where all count
   /// @return          nothing where the poses are too few to tell
@@ -49,16 +46,9 @@ class SceneFaces {
     Eigen::Vector3d normal_camera, centre_camera;
     double thickness, tilt_variance;
     Eigen::Matrix3d centre_covariance;  // camera axes
-    double weight;
   };
   std::vector<Face> faces_;
 };
-
-/// Logarithm of the density, but for a constant, with which a part of the scene has this normal.
-/// Nine in ten lie as most do, one in any way.
-/// @param variance  of the measured normal, rad^2 per axis
-double logTiltDensity(const ScenePlane& scene, const Eigen::Vector3d& normal_camera,
-                      double variance);
 
 /// Each pose with the plane of the others as its prior; nothing changes where these are too few.
 /// Cost: O(poses^2), 0.1 ms for 40.

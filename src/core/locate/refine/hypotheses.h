@@ -26,9 +26,8 @@ struct ChosenPose {
 ChosenPose chooseHypothesis(const Aligner& aligner, const RefineParams& params,
                             const PoseHypothesis& pose);
 
-/// Parts rest on one another and on one floor, so the plane of the other parts is evidence for the
-/// sign of each tilt. Poses that change are aligned anew.
-void decideTilts(const Aligner& aligner, const std::vector<std::shared_ptr<const PartModel>>& parts,
-                 std::vector<ChosenPose>* poses);
+/// Parts rest on one another and on one floor, so how the others lie is evidence for the sign of
+/// each tilt (scene_normals.h). Poses that change are aligned anew.
+void decideTilts(const Aligner& aligner, std::vector<ChosenPose>* poses);
 
 }  // namespace planar_bin_picking

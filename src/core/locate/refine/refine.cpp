@@ -68,7 +68,7 @@ std::vector<RefinedPose> refineCandidates(
   keepOnly(withoutDuplicates(poses, aligner.outlines(), kSameInImage, params.search_inliers_min,
                              {0, params.max_poses}),
            &chosen);
-  decideTilts(aligner, parts, &chosen);
+  decideTilts(aligner, &chosen);
   poses.clear();
   for (const auto& c : chosen) poses.push_back(c.pose);
   estimateEdgeOffsets(poses, &aligner.outlines());

@@ -94,22 +94,6 @@ TEST(ScenePlane, APoseIsLeftOutOfItsOwnPrior) {
   EXPECT_NE(others->plane.normal_camera, faces.plane()->plane.normal_camera);
 }
 
-TEST(ScenePlane, DoubtfulTiltsCountLess) {
-  auto poses = lying(0.5, 9);
-  std::vector<double> weights(9, 0.5);
-  for (int i = 0; i < 6; ++i) {
-    poses.push_back(poseAt(Face::kFront, -10.0, 5.0, 0.1));
-    weights.push_back(1.0);
-  }
-  const Eigen::Vector3d sure = -poseAt(Face::kBack, -10.0, 5.0, 0.1).T_camera_part.linear().col(2);
-  EXPECT_GT(std::acos(planeOf(poses)->plane.normal_camera.dot(sure)), 10.0 * kRadians);
-  const auto weighted = SceneFaces(poses, kParts, weights).plane();
-  EXPECT_LT(std::acos(weighted->plane.normal_camera.dot(sure)), 3.0 * kRadians);
-  // No weight is no face.
-  std::fill(weights.begin() + 4, weights.end(), 0.0);
-  EXPECT_FALSE(SceneFaces(poses, kParts, weights).plane());
-}
-
 TEST(ScenePlane, OpenTiltsFollowTheSceneAndKnownOnesStay) {
   const auto others = lying(1.0, 40);
   for (const Face face : {Face::kFront, Face::kBack}) {
@@ -121,22 +105,6 @@ TEST(ScenePlane, OpenTiltsFollowTheSceneAndKnownOnesStay) {
     EXPECT_LT(tiltBetween(fusedAmong(otherwise, others), otherwise), 4.0);
     EXPECT_LT(fusedAmong(open, others).covariance(3, 3), 0.2 * open.covariance(3, 3));
   }
-}
-
-TEST(ScenePlane, LikelierTiltsAreThoseOfTheScene) {
-  const auto scene = planeOf(lying(1.0, 40));
-  ASSERT_TRUE(scene);
-  const auto at = [&](double degrees, double sigma_deg) {
-    const Eigen::Vector3d n =
-        -poseAt(Face::kBack, 10.0 + degrees, -5.0, 0.1).T_camera_part.linear().col(2);
-    return logTiltDensity(*scene, n, std::pow(sigma_deg * kRadians, 2));
-  };
-  EXPECT_GT(at(0, 1) - at(5, 1), 2.0);
-  // Some are outliers: beyond a few spreads, farther is hardly less likely.
-  EXPECT_LT(at(10, 1) - at(15, 1), 1.0);
-  EXPECT_GT(at(10, 1) - at(40, 1), 1.0);
-  // What is badly measured says less.
-  EXPECT_LT(at(0, 8) - at(5, 8), 0.5);
 }
 
 TEST(ScenePlane, TheFaceTurnsAboutItsCentre) {
@@ -207,28 +175,6 @@ TEST(ScenePlane, IsThatOfTheUndersidesWhateverTheThickness) {
   ASSERT_TRUE(scene);
   EXPECT_NEAR(scene->plane.distance, 0.6, 1e-6);
   EXPECT_LT(scene->height_spread, 0.3e-3);
-}
-
-TEST(ScenePlane, DensityIsThatOfTheMixture) {
-  // Nine in ten as the scene, one in ten with 15 degrees, each widened by the errors: Gaussians of
-  // two dimensions, but for a common factor.
-  const auto scene = planeOf(lying(1.0, 40));
-  ASSERT_TRUE(scene);
-  const double variance = std::pow(1.0 * kRadians, 2);
-  const auto expected = [&](double off) {
-    const double known = variance + std::pow(scene->tilt_sigma, 2);
-    const double in = known + std::pow(scene->tilt_spread, 2);
-    const double out = known + std::pow(15.0 * kRadians, 2);
-    return std::log(0.9 / in * std::exp(-0.5 * off * off / in) +
-                    0.1 / out * std::exp(-0.5 * off * off / out));
-  };
-  const Eigen::Vector3d n = scene->plane.normal_camera, aside = n.unitOrthogonal();
-  const double at_plane = logTiltDensity(*scene, n, variance);
-  for (const double degrees : {1.0, 3.0, 6.0, 12.0, 30.0}) {
-    const double off = degrees * kRadians;
-    const double found = logTiltDensity(*scene, n + off * aside, variance);
-    EXPECT_NEAR(found - at_plane, expected(off) - expected(0.0), 1e-9) << degrees;
-  }
 }
 
 TEST(ScenePlane, CorrelatedDepthFollowsTheTilt) {
