@@ -152,10 +152,10 @@ std::optional<Matrix6d> predicted(const SeenPart& seen, const Detection& known,
   Eigen::Matrix<double, 8, 8> H = Eigen::Matrix<double, 8, 8>::Zero();
   H.bottomRightCorner<2, 2>() = offsetInformation(2, radius);
   const auto add = [&H](const Matrix7d& information, int offset) {
-    H.topLeftCorner<6, 6>() += information.topLeftCorner<6, 6>();
-    H.block<6, 1>(0, offset) += information.block<6, 1>(0, 6);
-    H.block<1, 6>(offset, 0) += information.block<1, 6>(6, 0);
-    H(offset, offset) += information(6, 6);
+    Eigen::Matrix<double, 7, 8> map = Eigen::Matrix<double, 7, 8>::Zero();  // to a view's own step
+    map.topLeftCorner<6, 6>().setIdentity();
+    map(6, offset) = 1.0;
+    H += map.transpose() * information * map;
   };
   add(*look, 7);
   const auto first = known.views > 1

@@ -19,6 +19,10 @@ TEST(HandEyeError, IsTheCalibratorsPerAxis) {
 
 TEST(HandEyeError, RefusesWhatSaysNone) {
   TempDir dir;
+  const HandEyeError none =
+      loadHandEyeError(dir.write("exact.yaml", "expected_error_mm: 0\nexpected_error_deg: 0.0\n"));
+  EXPECT_EQ(none.metres, 0.0);
+  EXPECT_EQ(none.degrees, 0.0);
   const auto load = [&](const std::string& yaml) {
     return [path = dir.write("hand_eye.yaml", yaml)] { loadHandEyeError(path); };
   };

@@ -382,6 +382,18 @@ TEST_F(LookAgain, RefusesWhatIsNoView) {
   make(cv::Mat(998, 1198, CV_8U, cv::Scalar(9)), 0.0)();
   EXPECT_TRUE(refuses(make(cv::Mat(1000, 1197, CV_8U), 0.0), {"1197 x 1000"}));
   EXPECT_TRUE(refuses(make(cv::Mat(997, 1200, CV_8U), 0.0), {"1200 x 997"}));
+  sim::PinholeCamera small;
+  small.width = small.height = 64;
+  small.cx = small.cy = 32.0;
+  const Camera least = makeCamera(small);
+  const auto of_size = [&least](int width, int height) {
+    return [&least, width, height] {
+      View(cv::Mat(height, width, CV_8U, cv::Scalar(9)), least, Eigen::Isometry3d::Identity());
+    };
+  };
+  of_size(64, 64)();
+  EXPECT_TRUE(refuses(of_size(63, 64), {"smaller than 64 x 64"}));
+  EXPECT_TRUE(refuses(of_size(64, 63), {"smaller than 64 x 64"}));
 }
 
 }  // namespace

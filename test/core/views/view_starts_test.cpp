@@ -54,6 +54,25 @@ TEST_F(ViewStarts, ReachAllDepthsInSmallSteps) {
   }
 }
 
+/// From far away the first view could not tell the two.
+TEST_F(ViewStarts, TheOtherTiltLooksTheSameInTheFirstView) {
+  const auto looks = [](const Eigen::Isometry3d& T) {
+    const Eigen::Vector2d p = T.translation().hnormalized();
+    Eigen::Matrix<double, 2, 3> project;
+    project << 1, 0, -p.x(), 0, 1, -p.y();
+    const Eigen::Matrix2d A = project * T.linear().leftCols<2>();
+    return Eigen::Matrix2d(A / A.norm());
+  };
+  int others = 0;
+  for (const Eigen::Isometry3d& T : startsAbout(seen_, truth_, *view_, 0.02)) {
+    if ((T.linear() - truth_.linear()).norm() < 1e-9) continue;
+    ++others;
+    EXPECT_GT((T.linear().col(2) - truth_.linear().col(2)).norm(), 0.2);
+    EXPECT_TRUE(looks(T).isApprox(looks(truth_), 1e-6));
+  }
+  EXPECT_GT(others, 4);
+}
+
 TEST_F(ViewStarts, AreFewAndBeforeTheCamera) {
   EXPECT_LE(startsAbout(seen_, truth_, *view_, 0.2).size(), 50u);
   EXPECT_GT(startsAbout(seen_, truth_, *view_, 0.2).size(), 40u);

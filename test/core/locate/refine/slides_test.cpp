@@ -71,6 +71,56 @@ TEST(Slides, PeaksLieApart) {
   EXPECT_TRUE(slidesOf(*part).peaks(field, part->radius(), truth, 0).empty());
 }
 
+/// With edgels everywhere each place is as good: the peaks are all places that are apart, and in
+/// the order of the search.
+struct Spacing {
+  std::size_t count;
+  double along, size;  // of two neighbours, in steps of the search
+};
+
+Spacing spacingAt(double radius_px) {
+  constexpr double kDepth = 0.5;
+  // So slender that its long sides hold no size either.
+  const auto part =
+      makePart("bar", {rectangle(-60, -3, 60, 3), {circle(-50, 0, 1.5, true)}, {}, 0.0});
+  Field field;
+  field.focal = radius_px * kDepth / part->radius();
+  field.width = static_cast<int>(3.2 * radius_px);
+  field.height = static_cast<int>(0.4 * radius_px);
+  field.cx = 0.5 * field.width;
+  field.cy = 0.5 * field.height;
+  field.distance.assign(static_cast<std::size_t>(field.width * field.height * kDirections), 0);
+  const Eigen::Isometry3d T(Eigen::Translation3d(0.0, 0.0, kDepth) *
+                            Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+  const auto peaks = slidesOf(*part).peaks(field, part->radius(), T, 1000000);
+  const double step = 1.5 / radius_px;  // radii
+  Spacing out{peaks.size(), 1e9, 1e9};
+  for (std::size_t i = 0; i < peaks.size(); ++i) {
+    for (const std::size_t k : {std::size_t(0), i - 1}) {
+      if (k >= i) continue;
+      const Eigen::Vector3d a = peaks[k].T_camera_centre.translation(),
+                            b = peaks[i].T_camera_centre.translation();
+      const double size = std::abs(a.z() / b.z() - 1.0) / step;
+      const double along =
+          std::abs((a.x() / a.z() - b.x() / b.z()) * kDepth / part->radius()) / step;
+      if (along < 1.0) out.size = std::min(out.size, size);
+      if (size < 1.0) out.along = std::min(out.along, along);
+    }
+  }
+  return out;
+}
+
+TEST(Slides, AreSearchedInStepsThatSeeTheField) {
+  const Spacing few = spacingAt(400.0);
+  EXPECT_NEAR(few.along, 3.0, 0.3);
+  EXPECT_NEAR(few.size, 3.0, 0.3);
+  // In a finer field the search would take too long: its steps are longer.
+  const Spacing many = spacingAt(800.0);
+  EXPECT_NEAR(many.along, 4.5, 0.4);
+  EXPECT_NEAR(many.size, 4.5, 0.4);
+  EXPECT_NEAR(static_cast<double>(many.count), 20000.0 / 9.0, 200.0);
+}
+
 /// By the search about a pose: far along, a little nearer or farther, and the other way
 /// round.
 TEST(Slides, ABarIsFoundAlongItsLength) {
