@@ -36,10 +36,17 @@ constexpr double kStepMost = 0.15;
 constexpr double kOffsetSigma = 0.05e-3, kOffsetSpread = 0.03e-3;
 constexpr double kOffsetOpen = 1.0;  // radii: where a view cannot tell it
 /// A deburred edge is broken by some 0.15 mm, and seen anywhere on the break: the standard
-/// deviation of an even distribution.
-constexpr double kBreakSigma = 0.15e-3 * 0.2887;
+/// deviation of an even distribution. Within its plane a part lies in the middle between two
+/// opposite edges, each with its own light, as the views' covariances have it by pixels.
+constexpr double kBreakSigma = 0.15e-3 * 0.2887, kMiddleSigma = 0.7071 * kBreakSigma;
 /// A fiftieth of a pixel over the whole outline is never beaten, whatever the edges say.
 constexpr double kFloorPx = 0.02;
+
+double meanOffset(const JointState& state) {
+  double sum = 0.0;
+  for (const double offset : state.offsets) sum += offset;
+  return sum / static_cast<double>(state.offsets.size());
+}
 
 }  // namespace
 
@@ -75,19 +82,25 @@ Eigen::MatrixXd offsetInformation(Eigen::Index views, double radius) {
 }
 
 Eigen::Isometry3d facePose(const JointState& state, Face face, double radius) {
-  double sum = 0.0;
-  for (const double offset : state.offsets) sum += offset;
-  const double height = radius * std::max(0.0, sum / static_cast<double>(state.offsets.size()));
+  const double height = radius * std::max(0.0, meanOffset(state));
   return state.T_first_centre *
          Eigen::Translation3d(0.0, 0.0, face == Face::kFront ? height : -height);
 }
 
-Matrix6d leastCovariance(double radius, double depth, double focal_px) {
-  const double in_break = kBreakSigma / radius;
-  const double in_pixels = kFloorPx * depth / (focal_px * radius);
-  Vector6d out = Vector6d::Constant(in_pixels * in_pixels);
-  out.head<3>().array() += in_break * in_break;
-  return out.asDiagonal();
+Matrix6d faceCovariance(const Eigen::MatrixXd& covariance, Eigen::Index offsets, Face face) {
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(6, covariance.cols());
+  by.leftCols<6>().setIdentity();
+  by.row(2).tail(offsets).setConstant((face == Face::kFront ? 1.0 : -1.0) /
+                                      static_cast<double>(offsets));
+  return by * covariance * by.transpose();
+}
+
+Matrix6d atLeast(Matrix6d covariance, double radius, double depth, double focal_px) {
+  covariance.diagonal().array() += std::pow(kFloorPx * depth / (focal_px * radius), 2);
+  for (int i = 0; i < 2; ++i)
+    covariance(i, i) = std::max(covariance(i, i), std::pow(kMiddleSigma / radius, 2));
+  covariance(2, 2) += std::pow(kBreakSigma / radius, 2);
+  return covariance;
 }
 
 Eigen::Isometry3d viewPose(const JointState& state, const std::vector<ViewPtr>& views,
@@ -198,6 +211,7 @@ void JointAlignment::weigh(const Association& found, const Eigen::VectorXd& x, d
 JointPose JointAlignment::solve(const JointState& start, const Association& found,
                                 double tukey_px) const {
   System system = systemAt(start, found);
+  const auto views = static_cast<Eigen::Index>(views_.size());
   const Eigen::Index n = system.prior.rows();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
   JointPose out;
@@ -205,8 +219,9 @@ JointPose JointAlignment::solve(const JointState& start, const Association& foun
     weigh(found, x, tukey_px, &system);
     const Eigen::LDLT<Eigen::MatrixXd> solver(system.H);
     x = solver.solve(system.b).cwiseMax(-kStepMost).cwiseMin(kStepMost);
-    if (step + 1 == kSteps)
-      out.covariance = solver.solve(Eigen::MatrixXd::Identity(n, n)).topLeftCorner<6, 6>();
+    if (step + 1 < kSteps) continue;
+    const Eigen::MatrixXd covariance = solver.solve(Eigen::MatrixXd::Identity(n, n));
+    out.covariance = faceCovariance(covariance, views, seen_.face);
   }
   const Eigen::VectorXd from_prior = x + system.from_prior;
   out.chi_squared = from_prior.dot(system.prior * from_prior);
@@ -219,7 +234,6 @@ JointPose JointAlignment::solve(const JointState& start, const Association& foun
     out.chi_squared += off.dot(said.information * off);
     out.freedom += 7;
   }
-  const auto views = static_cast<Eigen::Index>(views_.size());
   out.state = start;
   out.state.T_first_centre = stepped(start.T_first_centre, x.head<6>(), seen_.solid.radius);
   for (Eigen::Index k = 0; k < views; ++k) {
@@ -237,9 +251,9 @@ JointPose JointAlignment::align(const JointState& start) const {
     pose =
         solve(pose.state, associateAll(pose.state, static_cast<int>(pass)), kPasses[pass].tukey_px);
   }
-  pose.covariance +=
-      leastCovariance(seen_.solid.radius, pose.state.T_first_centre.translation().z(),
-                      views_.front()->camera().model().fx);
+  pose.covariance =
+      atLeast(pose.covariance, seen_.solid.radius, pose.state.T_first_centre.translation().z(),
+              views_.front()->camera().model().fx);
   return pose;
 }
 

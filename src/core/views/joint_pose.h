@@ -45,7 +45,7 @@ struct JointState {
 
 struct JointPose {
   JointState state;
-  Matrix6d covariance = Matrix6d::Identity();  ///< of xi, translation in radii
+  Matrix6d covariance = Matrix6d::Identity();  ///< of the face, see faceCovariance
   /// How far the views' own poses are from the joint one, in their standard deviations, squared;
   /// and of how many numbers, less those that were fitted.
   double chi_squared = 0.0;
@@ -57,10 +57,15 @@ struct JointPose {
 /// degrees: they lie as far below the face as inside the drawn outline.
 Eigen::Isometry3d facePose(const JointState& state, Face face, double radius);
 
-/// What no number of views and pixels is better than, of xi with its translation in radii: where on
-/// a broken edge its image lies, by which light and shadow also move a whole part aside.
+/// Of facePose's xi, translation in radii, which follows the mean of the offsets.
+/// @param covariance  of the unknowns: xi first, the offsets of the views last
+Matrix6d faceCovariance(const Eigen::MatrixXd& covariance, Eigen::Index offsets, Face face);
+
+/// A covariance of xi, translation in radii, with what no number of views and pixels is better
+/// than: where on a broken edge its image lies. In depth that comes on top: the break's slope is
+/// assumed.
 /// @param depth  of the part in the first view, metres
-Matrix6d leastCovariance(double radius, double depth, double focal_px);
+Matrix6d atLeast(Matrix6d covariance, double radius, double depth, double focal_px);
 
 /// T_view_centre of view k.
 Eigen::Isometry3d viewPose(const JointState& state, const std::vector<ViewPtr>& views,

@@ -170,8 +170,8 @@ std::optional<Matrix6d> predicted(const SeenPart& seen, const Detection& known,
   }
   const Eigen::Matrix<double, 8, 8> covariance =
       H.ldlt().solve(Eigen::Matrix<double, 8, 8>::Identity());
-  return Matrix6d(covariance.topLeftCorner<6, 6>() +
-                  leastCovariance(radius, T_first_centre.translation().z(), camera.model().fx));
+  return atLeast(faceCovariance(covariance, 2, seen.face), radius, T_first_centre.translation().z(),
+                 camera.model().fx);
 }
 
 }  // namespace

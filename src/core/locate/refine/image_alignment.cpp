@@ -6,6 +6,7 @@
 #include "locate/refine/levenberg_marquardt.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -27,11 +28,11 @@ constexpr double kGainLeast = 1e-4;  // of the cost per point: a smaller gain en
 /// estimate six unknowns, and each is long beside a shadow or a nick.
 constexpr int kClusters = 24;
 constexpr int kUnknowns = 6;  // of a pose
-/// What residuals cannot tell: light, bevel and shadow move the edges of a whole side alike, by
-/// about this much, and light from one side moves opposite edges the same way, which shifts the
+/// What residuals cannot tell: light, bevel and shadow move all edges that face the same way alike,
+/// by about this much, and light from one side moves opposite edges the same way, which shifts the
 /// pose (with both the errors of the scenes fit their covariances, test/benchmark). Most of the
 /// first is what makes the edge offset, and no error of it.
-constexpr int kSides = 8;  // pieces of the outline that err alike
+constexpr int kSides = 8;  // directions of edges that err alike; for the offset, pieces of outline
 constexpr double kBiasPx = 0.22, kLightPx = 0.14, kOffsetBiasPx = 0.1;
 /// What is known without any edge, that the pose is within a radius and a radian, as so many edges
 /// with an error of a pixel.
@@ -64,29 +65,35 @@ double robustSpread(const std::vector<Row>& rows, const Vector6d& xi, double tuk
 /// Whether point i of n is the last of one of `pieces` equal pieces of the outline.
 bool endsPiece(int i, int n, int pieces) { return (i + 1) * pieces / n != i * pieces / n; }
 
+/// Which of the directions the row's edge faces, in the part: the drawing's axes are the middles of
+/// four of them.
+std::size_t sideOf(const Row& row) {
+  const double eighths = (std::atan2(row.J(1), row.J(0)) / M_PI + 1.0) * (kSides / 2);
+  return static_cast<std::size_t>(eighths + 0.5) % kSides;
+}
+
 /// Covariance of the aligned pose by the sandwich estimator: H^-1 (sum of the clusters' score
 /// vectors, squared) H^-1.
 Matrix6d covarianceOf(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
                       const Matrix6d& H, const Matrix6d& H_inverse) {
   // Few clusters may agree by chance: no edge is better than the bias.
   Matrix6d squares = kBiasPx * kBiasPx * H + kPrior * Matrix6d::Identity();
-  Vector6d score = Vector6d::Zero(), shift = Vector6d::Zero();
+  Vector6d score = Vector6d::Zero();
+  std::array<Vector6d, kSides> shifts;
+  shifts.fill(Vector6d::Zero());
   const int n = static_cast<int>(rows.size());
   int clusters = 0;
   for (int i = 0; i < n; ++i) {
     const auto [r, w] = weighted(rows[i], xi, tukey_px);
     score += (w * r) * rows[i].J;
-    shift += w * rows[i].J;
+    shifts[sideOf(rows[i])] += w * rows[i].J;
     if (endsPiece(i, n, kClusters)) {
       squares += score * score.transpose();
       clusters += score.isZero(0.0) ? 0 : 1;
       score.setZero();
     }
-    if (endsPiece(i, n, kSides)) {
-      squares += (kBiasPx * kBiasPx) * shift * shift.transpose();
-      shift.setZero();
-    }
   }
+  for (const Vector6d& shift : shifts) squares += (kBiasPx * kBiasPx) * shift * shift.transpose();
   // Six unknowns follow the clusters; of six or fewer nothing is left to tell the error by.
   const double left = std::max(1, clusters - kUnknowns);
   return H_inverse * squares * H_inverse * (std::max(kUnknowns + 1, clusters) / left);

@@ -182,13 +182,25 @@ TEST(ImageAlignment, TheCostIsBoundedAndItsSlopeIsTheGradient) {
   }
 }
 
-/// However exact the edges look: each may be off by 0.22 pixels, and as much all of one of eight
-/// sides alike. Six unknowns follow the 24 clusters.
+/// However exact the edges look: each may be off by 0.22 pixels, and as much all alike that face
+/// the same way, wherever they lie along the outline. Six unknowns follow the 24 clusters.
 TEST(ImageAlignment, TheCovarianceCountsWhatResidualsCannotTell) {
-  const Matrix6d covariance = poseOf(evenRows(240)).covariance;
-  const double variance_px2 = 0.22 * 0.22 * (1.0 / 40.0 + 1.0 / 8.0) * 24.0 / 18.0;
-  for (int k = 0; k < 6; ++k)
-    EXPECT_NEAR(covariance(k, k), 1e-4 * variance_px2, 1e-3 * 1e-4 * variance_px2) << k;
+  const auto variance_px2 = [](int ways, double aside_deg, int k) {
+    auto rows = evenRows(240);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double facing = 2.0 * M_PI * static_cast<double>(i % ways) / ways +
+                            (i % 3 == 0 ? aside_deg : -aside_deg) * M_PI / 180.0;
+      rows[i].J.setZero();
+      rows[i].J.head<2>() = 100.0 * Eigen::Vector2d(std::cos(facing), std::sin(facing));
+    }
+    return 1e4 * poseOf(rows).covariance(k, k);
+  };
+  const double once = 0.22 * 0.22 * 24.0 / 18.0;
+  EXPECT_NEAR(variance_px2(8, 0.0, 0), once * (1.0 / 120.0 + 1.0 / 4.0), 1e-3 * once);
+  EXPECT_NEAR(variance_px2(8, 0.0, 1), once * (1.0 / 120.0 + 1.0 / 4.0), 1e-3 * once);
+  EXPECT_NEAR(variance_px2(2, 0.0, 0), once * (1.0 / 240.0 + 1.0 / 2.0), 1e-3 * once);
+  // The drawing's axes are the middles of sides, not their borders.
+  EXPECT_NEAR(variance_px2(1, 5.0, 0), once * (1.0 / 240.0 + 1.0), 0.05 * once);
 }
 
 /// Of 0.14 pixels, where half of the edges tell of a shift, by 100 pixels for a radius.
