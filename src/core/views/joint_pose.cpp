@@ -37,7 +37,7 @@ constexpr double kOffsetSigma = 0.05e-3, kOffsetSpread = 0.03e-3;
 constexpr double kOffsetOpen = 1.0;  // radii: where a view cannot tell it
 /// A deburred edge is broken by some 0.15 mm, and seen anywhere on the break: the standard
 /// deviation of an even distribution. Within its plane a part lies in the middle between two
-/// opposite edges, each with its own light, as the views' covariances have it by pixels.
+/// opposite edges, each with its own light.
 constexpr double kBreakSigma = 0.15e-3 * 0.2887, kMiddleSigma = 0.7071 * kBreakSigma;
 /// A fiftieth of a pixel over the whole outline is never beaten, whatever the edges say.
 constexpr double kFloorPx = 0.02;
@@ -95,12 +95,12 @@ Matrix6d faceCovariance(const Eigen::MatrixXd& covariance, Eigen::Index offsets,
   return by * covariance * by.transpose();
 }
 
-Matrix6d atLeast(Matrix6d covariance, double radius, double depth, double focal_px) {
-  covariance.diagonal().array() += std::pow(kFloorPx * depth / (focal_px * radius), 2);
-  for (int i = 0; i < 2; ++i)
-    covariance(i, i) = std::max(covariance(i, i), std::pow(kMiddleSigma / radius, 2));
-  covariance(2, 2) += std::pow(kBreakSigma / radius, 2);
-  return covariance;
+Matrix6d leastCovariance(double radius, double depth, double focal_px) {
+  const double in_pixels = kFloorPx * depth / (focal_px * radius);
+  Vector6d out = Vector6d::Constant(in_pixels * in_pixels);
+  out.head<2>().array() += std::pow(kMiddleSigma / radius, 2);
+  out(2) += std::pow(kBreakSigma / radius, 2);
+  return out.asDiagonal();
 }
 
 Eigen::Isometry3d viewPose(const JointState& state, const std::vector<ViewPtr>& views,
@@ -251,9 +251,9 @@ JointPose JointAlignment::align(const JointState& start) const {
     pose =
         solve(pose.state, associateAll(pose.state, static_cast<int>(pass)), kPasses[pass].tukey_px);
   }
-  pose.covariance =
-      atLeast(pose.covariance, seen_.solid.radius, pose.state.T_first_centre.translation().z(),
-              views_.front()->camera().model().fx);
+  pose.covariance +=
+      leastCovariance(seen_.solid.radius, pose.state.T_first_centre.translation().z(),
+                      views_.front()->camera().model().fx);
   return pose;
 }
 

@@ -61,11 +61,10 @@ Eigen::Isometry3d facePose(const JointState& state, Face face, double radius);
 /// @param covariance  of the unknowns: xi first, the offsets of the views last
 Matrix6d faceCovariance(const Eigen::MatrixXd& covariance, Eigen::Index offsets, Face face);
 
-/// A covariance of xi, translation in radii, with what no number of views and pixels is better
-/// than: where on a broken edge its image lies. In depth that comes on top: the break's slope is
-/// assumed.
+/// What no number of views and pixels is better than, of xi with its translation in radii: where on
+/// a broken edge its image lies, by which light and shadow also move a whole part aside.
 /// @param depth  of the part in the first view, metres
-Matrix6d atLeast(Matrix6d covariance, double radius, double depth, double focal_px);
+Matrix6d leastCovariance(double radius, double depth, double focal_px);
 
 /// T_view_centre of view k.
 Eigen::Isometry3d viewPose(const JointState& state, const std::vector<ViewPtr>& views,

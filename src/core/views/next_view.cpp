@@ -170,8 +170,8 @@ std::optional<Matrix6d> predicted(const SeenPart& seen, const Detection& known,
   }
   const Eigen::Matrix<double, 8, 8> covariance =
       H.ldlt().solve(Eigen::Matrix<double, 8, 8>::Identity());
-  return atLeast(faceCovariance(covariance, 2, seen.face), radius, T_first_centre.translation().z(),
-                 camera.model().fx);
+  return Matrix6d(faceCovariance(covariance, 2, seen.face) +
+                  leastCovariance(radius, T_first_centre.translation().z(), camera.model().fx));
 }
 
 }  // namespace

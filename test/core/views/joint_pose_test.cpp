@@ -113,22 +113,15 @@ TEST(JointPose, TheFaceLiesAboveItsBrokenEdges) {
   EXPECT_EQ(height(Face::kFront), 0.0);
 }
 
-/// Of robots, pixels and views that are as good as can be, the edge's break is left; what is known
-/// worse than that by its pixels stays so, but for the slope.
+/// Of robots, pixels and views that are as good as can be, the edge's break is left; of the middle
+/// between two edges half of its variance.
 TEST(JointPose, NothingIsBetterThanTheBreak) {
-  const auto sigma = [](double known, double focal_px, int i) {
-    return std::sqrt(atLeast(known * known * Matrix6d::Identity(), 0.05, 0.6, focal_px)(i, i));
-  };
-  for (int i = 0; i < 2; ++i) {
-    EXPECT_NEAR(0.05 * sigma(0.0, 4000.0, i), 0.0306e-3, 0.0005e-3);
-    EXPECT_NEAR(0.05 * sigma(2e-3, 4000.0, i), 0.1e-3, 0.0005e-3);
-  }
-  EXPECT_NEAR(0.05 * sigma(0.0, 4000.0, 2), 0.0433e-3, 0.0005e-3);
-  EXPECT_NEAR(0.05 * sigma(2e-3, 4000.0, 2), 0.109e-3, 0.001e-3);
-  const double least = 0.02 * 0.6 / (4000.0 * 0.05);
-  for (int i = 3; i < 6; ++i) EXPECT_NEAR(sigma(0.0, 4000.0, i), least, 1e-9);
-  EXPECT_NEAR(sigma(0.0, 400.0, 5), 10.0 * least, 1e-9);
-  EXPECT_NEAR(sigma(least, 4000.0, 5), std::sqrt(2.0) * least, 1e-9);
+  const Matrix6d C = leastCovariance(0.05, 0.6, 4000.0);
+  for (int i = 0; i < 2; ++i) EXPECT_NEAR(0.05 * std::sqrt(C(i, i)), 0.0306e-3, 0.0005e-3);
+  EXPECT_NEAR(0.05 * std::sqrt(C(2, 2)), 0.0433e-3, 0.0005e-3);
+  for (int i = 3; i < 6; ++i) EXPECT_NEAR(std::sqrt(C(i, i)), 0.02 * 0.6 / (4000.0 * 0.05), 1e-9);
+  const Matrix6d coarse = leastCovariance(0.05, 0.6, 400.0);
+  EXPECT_NEAR(std::sqrt(coarse(5, 5)), 10.0 * std::sqrt(C(5, 5)), 1e-9);
 }
 
 /// The face's place follows the offsets, so it is as unsure as they are, and as both together.

@@ -28,11 +28,12 @@ constexpr double kGainLeast = 1e-4;  // of the cost per point: a smaller gain en
 /// estimate six unknowns, and each is long beside a shadow or a nick.
 constexpr int kClusters = 24;
 constexpr int kUnknowns = 6;  // of a pose
-/// What residuals cannot tell: light, bevel and shadow move all edges that face the same way alike,
-/// by about this much, and light from one side moves opposite edges the same way, which shifts the
-/// pose (with both the errors of the scenes fit their covariances, test/benchmark). Most of the
-/// first is what makes the edge offset, and no error of it.
-constexpr int kSides = 8;  // directions of edges that err alike; for the offset, pieces of outline
+/// What residuals cannot tell: light moves all edges that face the same way alike, shadow and an
+/// uneven bevel a whole piece of the outline, together by about this much, and as nothing tells
+/// which of the two, each has half of the variance. And light from one side moves opposite edges
+/// the same way, which shifts the pose (with both the errors of the scenes fit their covariances,
+/// test/benchmark). Most of the first is what makes the edge offset, and no error of it.
+constexpr int kSides = 8;  // ways to face, and pieces of the outline
 constexpr double kBiasPx = 0.22, kLightPx = 0.14, kOffsetBiasPx = 0.1;
 /// What is known without any edge, that the pose is within a radius and a radian, as so many edges
 /// with an error of a pixel.
@@ -78,22 +79,27 @@ Matrix6d covarianceOf(const std::vector<Row>& rows, const Vector6d& xi, double t
                       const Matrix6d& H, const Matrix6d& H_inverse) {
   // Few clusters may agree by chance: no edge is better than the bias.
   Matrix6d squares = kBiasPx * kBiasPx * H + kPrior * Matrix6d::Identity();
-  Vector6d score = Vector6d::Zero();
-  std::array<Vector6d, kSides> shifts;
-  shifts.fill(Vector6d::Zero());
+  Vector6d score = Vector6d::Zero(), piece = Vector6d::Zero();
+  std::array<Vector6d, kSides> sides;
+  sides.fill(Vector6d::Zero());
   const int n = static_cast<int>(rows.size());
   int clusters = 0;
   for (int i = 0; i < n; ++i) {
     const auto [r, w] = weighted(rows[i], xi, tukey_px);
     score += (w * r) * rows[i].J;
-    shifts[sideOf(rows[i])] += w * rows[i].J;
+    sides[sideOf(rows[i])] += w * rows[i].J;
+    piece += w * rows[i].J;
     if (endsPiece(i, n, kClusters)) {
       squares += score * score.transpose();
       clusters += score.isZero(0.0) ? 0 : 1;
       score.setZero();
     }
+    if (endsPiece(i, n, kSides)) {
+      squares += (0.5 * kBiasPx * kBiasPx) * piece * piece.transpose();
+      piece.setZero();
+    }
   }
-  for (const Vector6d& shift : shifts) squares += (kBiasPx * kBiasPx) * shift * shift.transpose();
+  for (const Vector6d& side : sides) squares += (0.5 * kBiasPx * kBiasPx) * side * side.transpose();
   // Six unknowns follow the clusters; of six or fewer nothing is left to tell the error by.
   const double left = std::max(1, clusters - kUnknowns);
   return H_inverse * squares * H_inverse * (std::max(kUnknowns + 1, clusters) / left);

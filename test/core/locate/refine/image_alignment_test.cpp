@@ -182,25 +182,34 @@ TEST(ImageAlignment, TheCostIsBoundedAndItsSlopeIsTheGradient) {
   }
 }
 
-/// However exact the edges look: each may be off by 0.22 pixels, and as much all alike that face
-/// the same way, wherever they lie along the outline. Six unknowns follow the 24 clusters.
+/// However exact the edges look: each may be off by 0.22 pixels, and half of that variance is of
+/// all alike that face the same way, half of all on one of eight pieces of the outline. Six
+/// unknowns follow the 24 clusters.
 TEST(ImageAlignment, TheCovarianceCountsWhatResidualsCannotTell) {
-  const auto variance_px2 = [](int ways, double aside_deg, int k) {
+  // Along the outline, edges face one way after the other, or change with each edge.
+  const auto variance_px2 = [](int ways, double aside_deg, bool in_turn) {
     auto rows = evenRows(240);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const double facing = 2.0 * M_PI * static_cast<double>(i % ways) / ways +
+    for (int i = 0; i < 240; ++i) {
+      const double facing = 2.0 * M_PI * (in_turn ? i % ways : i * ways / 240) / ways +
                             (i % 3 == 0 ? aside_deg : -aside_deg) * M_PI / 180.0;
-      rows[i].J.setZero();
-      rows[i].J.head<2>() = 100.0 * Eigen::Vector2d(std::cos(facing), std::sin(facing));
+      Vector6d& J = rows[static_cast<std::size_t>(i)].J;
+      J.setZero();
+      J.head<2>() = 100.0 * Eigen::Vector2d(std::cos(facing), std::sin(facing));
     }
-    return 1e4 * poseOf(rows).covariance(k, k);
+    const Matrix6d covariance = poseOf(rows).covariance;
+    if (ways > 2) {
+      EXPECT_NEAR(covariance(0, 0), covariance(1, 1), 0.01 * covariance(0, 0));
+    }
+    return 1e4 * covariance(0, 0);
   };
   const double once = 0.22 * 0.22 * 24.0 / 18.0;
-  EXPECT_NEAR(variance_px2(8, 0.0, 0), once * (1.0 / 120.0 + 1.0 / 4.0), 1e-3 * once);
-  EXPECT_NEAR(variance_px2(8, 0.0, 1), once * (1.0 / 120.0 + 1.0 / 4.0), 1e-3 * once);
-  EXPECT_NEAR(variance_px2(2, 0.0, 0), once * (1.0 / 240.0 + 1.0 / 2.0), 1e-3 * once);
+  EXPECT_NEAR(variance_px2(8, 0.0, false), once * (1.0 / 120.0 + 1.0 / 4.0), 1e-3 * once);
+  EXPECT_NEAR(variance_px2(2, 0.0, false), once * (1.0 / 240.0 + 0.5 / 2.0 + 0.5 / 8.0),
+              1e-3 * once);
+  // Where each piece has all ways to face, no piece shifts the part.
+  EXPECT_NEAR(variance_px2(8, 0.0, true), once * (1.0 / 120.0 + 0.5 / 4.0), 0.01 * once);
   // The drawing's axes are the middles of sides, not their borders.
-  EXPECT_NEAR(variance_px2(1, 5.0, 0), once * (1.0 / 240.0 + 1.0), 0.05 * once);
+  EXPECT_NEAR(variance_px2(1, 5.0, false), once * (1.0 / 240.0 + 0.5 + 0.5 / 8.0), 0.05 * once);
 }
 
 /// Of 0.14 pixels, where half of the edges tell of a shift, by 100 pixels for a radius.
