@@ -134,18 +134,30 @@ std::vector<OutlinePoint> rasterPoints(const PartModel& part, int count) {
   return out;
 }
 
-/// A view's raster points as offsets into the planes, and the cells its centre may take.
-struct Layout {
-  std::vector<std::int32_t> offsets;
+/// The cells that a view's centre may take.
+struct Range {
   int row0 = 0, row1 = 0, col0 = 0, col1 = 0;
+};
+
+/// The raster points of all views as offsets into the planes, in one block: some thousand small
+/// ones would cost the heap as much again.
+struct Layouts {
+  std::size_t points;
+  std::vector<std::int32_t> offsets;  // [view][point]
+  std::vector<Range> ranges;          // [view]
+
+  Layouts(std::size_t views, std::size_t points_of_each)
+      : points(points_of_each), offsets(views * points_of_each), ranges(views) {}
+  Offsets offsetsOf(std::size_t view) const {
+    return {offsets.data() + view * points, static_cast<int>(points)};
+  }
 };
 
 /// What a search would allocate is known before: parameters at the ends of their ranges multiply.
 void checkMemory(const PartModel& part, const HoughParams& params, double views, double plane_bytes,
                  std::size_t points) {
-  constexpr double kMost = 1e9;        // bytes: what a cell's computer can spare
-  constexpr double kHeapBlock = 32.0;  // bytes that the heap keeps for each vector
-  constexpr double kPerView = sizeof(View) + sizeof(Layout) + kHeapBlock;
+  constexpr double kMost = 1e9;  // bytes: what a cell's computer can spare
+  constexpr double kPerView = sizeof(View) + sizeof(Range);
   const double bytes = plane_bytes + views * (kPerView + points * sizeof(std::int32_t));
   if (bytes <= kMost) return;
   std::ostringstream text;
@@ -159,21 +171,22 @@ void checkMemory(const PartModel& part, const HoughParams& params, double views,
   throw std::invalid_argument(text.str());
 }
 
-Layout layOut(const std::vector<OutlinePoint>& points, const PartModel& part, const Field& field,
-              const VotePlanes& planes, const View& view) {
+/// @param offset  of the view's first raster point; there is room for all
+Range layOut(const std::vector<OutlinePoint>& points, const PartModel& part, const Field& field,
+             const VotePlanes& planes, const View& view, std::int32_t* offset) {
   const Eigen::Matrix2d A = view.affine();
   const Eigen::Matrix2d to_half = A * (field.focal / planes.half);
   const Eigen::Matrix2d to_normal = A.inverse().transpose();
   Eigen::AlignedBox2d box;
-  Layout out;
   for (const auto& p : points) {
     const Eigen::Vector2d q = to_half * (p.position - part.center());
     const Eigen::Vector2d n = to_normal * p.normal;
     box.extend(q);
-    out.offsets.push_back(static_cast<std::int32_t>(
-        planes.offset(directionBin(n.x(), n.y()), static_cast<int>(std::floor(q.x() + 0.5)),
-                      static_cast<int>(std::floor(q.y() + 0.5)))));
+    *offset++ = static_cast<std::int32_t>(planes.offset(directionBin(n.x(), n.y()),
+                                                        static_cast<int>(std::floor(q.x() + 0.5)),
+                                                        static_cast<int>(std::floor(q.y() + 0.5))));
   }
+  Range out;
   const Eigen::Vector2d lo = 0.5 * kInViewShare * box.min(), hi = 0.5 * kInViewShare * box.max();
   out.col0 = std::max(0, static_cast<int>(std::ceil(-lo.x())));
   out.row0 = std::max(0, static_cast<int>(std::ceil(-lo.y())));
@@ -210,16 +223,18 @@ class TileRow {
 };
 
 /// Votes of one view for the centres in rows row0 to row1 of one row of tiles.
-void vote(const VotePlanes& planes, const Layout& layout, int row0, int row1, int view, int sector,
-          TileRow* tiles) {
+void vote(const VotePlanes& planes, const Layouts& layouts, int row0, int row1, int view,
+          int sector, TileRow* tiles) {
+  const Range& range = layouts.ranges[view];
+  const Offsets offsets = layouts.offsetsOf(view);
   const PruningThresholds& thresholds = tiles->thresholds(sector);
   std::array<std::uint8_t, kChunk> sums;
-  for (int row = std::max(layout.row0, row0); row < std::min(layout.row1, row1); ++row) {
-    for (int col = layout.col0; col < layout.col1; col += kChunk) {
+  for (int row = std::max(range.row0, row0); row < std::min(range.row1, row1); ++row) {
+    for (int col = range.col0; col < range.col1; col += kChunk) {
       const std::uint8_t* base =
           planes.votes.data() + static_cast<std::size_t>(row) * planes.pitch + col;
-      if (!sumChunk(base, layout.offsets, thresholds, col, &sums)) continue;
-      const int end = std::min(kChunk, layout.col1 - col);
+      if (!sumChunk(base, offsets, thresholds, col, &sums)) continue;
+      const int end = std::min(kChunk, range.col1 - col);
       for (int i = 0; i < end; ++i) {
         if (sums[i] <= thresholds.best(col + i)) continue;
         tiles->add({sums[i], view, row, col + i}, sector);
@@ -230,14 +245,13 @@ void vote(const VotePlanes& planes, const Layout& layout, int row0, int row1, in
 
 /// The best bins of all tiles, most votes first.
 std::vector<Bin> bestBins(const VotePlanes& planes, const std::vector<View>& views,
-                          const std::vector<Layout>& layouts, int floor, int tile, int threads) {
+                          const Layouts& layouts, int floor, int tile, int threads) {
   const int rows = (planes.rows + tile - 1) / tile;
   std::vector<std::vector<Bin>> found(rows);
   parallelFor(rows, threads, [&](int r) {
     TileRow tiles(planes, tile, floor);
     for (std::size_t v = 0; v < views.size(); ++v) {
-      vote(planes, layouts[v], r * tile, (r + 1) * tile, static_cast<int>(v), views[v].sector,
-           &tiles);
+      vote(planes, layouts, r * tile, (r + 1) * tile, static_cast<int>(v), views[v].sector, &tiles);
     }
     for (const Bin& b : tiles.bins()) {
       if (b.view >= 0) found[r].push_back(b);
@@ -286,12 +300,14 @@ std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& tas
   VotePlanes planes = sizePlanes(field, half, radius_px / task.distance_min);
   const auto points = rasterPoints(*task.part, params.raster_points);
   const ViewGrid grid(task, params, finer);
-  checkMemory(*task.part, params, grid.count(), planes.bytes(), points.size());
+  checkMemory(*task.part, params, grid.count(), static_cast<double>(planes.bytes()), points.size());
   fillPlanes(field, params.tolerance_cells * 2 * half, threads, &planes);
   const auto views = makeViews(grid, task.distance_min);
-  std::vector<Layout> layouts(views.size());
-  parallelFor(static_cast<int>(views.size()), threads,
-              [&](int v) { layouts[v] = layOut(points, *task.part, field, planes, views[v]); });
+  Layouts layouts(views.size(), points.size());
+  parallelFor(static_cast<int>(views.size()), threads, [&](int v) {
+    layouts.ranges[v] =
+        layOut(points, *task.part, field, planes, views[v], &layouts.offsets[v * points.size()]);
+  });
 
   const double most = kMaxVote * static_cast<double>(points.size());
   const int floor = static_cast<int>(std::ceil(params.votes_min * most));

@@ -26,14 +26,14 @@ VotePlanes sizePlanes(const Field& field, double half, double reach_px) {
   out.cols = static_cast<int>((field.width - 1) / (2 * half)) + 1;
   out.rows = static_cast<int>((field.height - 1) / (2 * half)) + 1;
   out.pad = kPadCells + static_cast<int>(std::ceil(reach_px / (2 * half)));
-  out.pitch = out.cols + 2 * out.pad + kChunk;
-  out.plane = static_cast<std::size_t>(out.rows + 2 * out.pad) * out.pitch;
+  out.pitch = out.pad + out.cols + kChunk;
+  out.plane = static_cast<std::size_t>(out.pad + out.rows) * out.pitch;
   return out;
 }
 
 void fillPlanes(const Field& field, double tolerance_px, int threads, VotePlanes* planes) {
   VotePlanes& out = *planes;
-  out.votes.assign(out.plane * 4 * kDirections, 0);
+  out.votes.assign(out.bytes(), 0);
   std::array<std::uint8_t, 256> vote{};
   for (int d = 0; d < 256; ++d) {
     const double off = d / (tolerance_px * kUnitsPerFieldPixel);
@@ -87,16 +87,15 @@ static void addPoints(const std::uint8_t* base, const std::int32_t* offsets, int
   *b = t;
 }
 
-bool sumChunk(const std::uint8_t* base, const std::vector<std::int32_t>& offsets,
-              const PruningThresholds& thresholds, int column,
-              std::array<std::uint8_t, kChunk>* sums) {
+bool sumChunk(const std::uint8_t* base, const Offsets& offsets, const PruningThresholds& thresholds,
+              int column, std::array<std::uint8_t, kChunk>* sums) {
   static_assert(sizeof(ByteVector) * 2 == kChunk, "a chunk is two vectors");
   static_assert(kMaxPoints * kMaxVote < 256, "sums fit into a byte");
-  const int count = static_cast<int>(offsets.size()), third = count / 3;
+  const int third = offsets.count / 3;
   ByteVector a = {}, b = {};
-  addPoints(base, offsets.data(), third, &a, &b);
+  addPoints(base, offsets.begin, third, &a, &b);
   if (!anyAbove(a, b, thresholds.first_.data() + column)) return false;
-  addPoints(base, offsets.data() + third, count - third, &a, &b);
+  addPoints(base, offsets.begin + third, offsets.count - third, &a, &b);
   if (!anyAbove(a, b, thresholds.best_.data() + column)) return false;
   std::memcpy(sums->data(), &a, sizeof a);
   std::memcpy(sums->data() + sizeof a, &b, sizeof b);
