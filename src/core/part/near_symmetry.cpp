@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace planar_bin_picking {
 namespace {
@@ -27,16 +28,17 @@ class NearOutline {
  public:
   NearOutline(const std::vector<Eigen::Vector2d>& points, double tolerance)
       : half_(std::min(kHalfMost, static_cast<int>(kCellsPerTolerance * kGridRadii / tolerance))),
+        scale_(half_ / kGridRadii),
         tolerance_(tolerance),
         cells_(4 * static_cast<std::size_t>(half_) * half_, static_cast<float>(tolerance)) {
-    const int reach = static_cast<int>(std::ceil(tolerance * scale()));
+    const int reach = static_cast<int>(std::ceil(tolerance * scale_));
     for (const auto& p : points) {
       const int x = cell(p.x()), y = cell(p.y());
       for (int j = std::max(0, y - reach); j <= std::min(2 * half_ - 1, y + reach); ++j) {
         for (int i = std::max(0, x - reach); i <= std::min(2 * half_ - 1, x + reach); ++i) {
           const Eigen::Vector2d c(i + 0.5 - half_, j + 0.5 - half_);
           float& distance = cells_[static_cast<std::size_t>(j) * 2 * half_ + i];
-          distance = std::min(distance, static_cast<float>((c / scale() - p).norm()));
+          distance = std::min(distance, static_cast<float>((c / scale_ - p).norm()));
         }
       }
     }
@@ -49,14 +51,19 @@ class NearOutline {
   }
 
  private:
-  double scale() const { return half_ / kGridRadii; }
-  int cell(double v) const { return half_ + static_cast<int>(std::floor(v * scale())); }
+  int cell(double v) const {
+    // Rounded down; the library's floor is a call, and this is most of what a part costs.
+    const double scaled = v * scale_;
+    const int toward_zero = static_cast<int>(scaled);
+    return half_ + toward_zero - (scaled < toward_zero ? 1 : 0);
+  }
   bool valid(int c) const { return c >= 0 && c < 2 * half_; }
   double distance(const Eigen::Vector2d& p) const {
     const int x = cell(p.x()), y = cell(p.y());
     return valid(x) && valid(y) ? cells_[static_cast<std::size_t>(y) * 2 * half_ + x] : tolerance_;
   }
   int half_;
+  double scale_;  ///< cells to a radius
   double tolerance_;
   std::vector<float> cells_;
 };
@@ -98,13 +105,12 @@ std::vector<Turn> findTurns(const std::vector<Eigen::Vector2d>& shape, const Nea
   const int order = std::max(1, symmetry.order);
   for (const bool flip : {false, true}) {
     if (flip && symmetry.mirror) break;
-    std::vector<double> nearness(kAngles);
-    for (int k = 0; k < kAngles; ++k) {
-      nearness[k] = mean(flip, kStep * k, [&](const auto& p) { return near.nearness(p); });
-    }
+    const auto nearness = [&](int k) {
+      return mean(flip, kStep * k, [&](const auto& p) { return near.nearness(p); });
+    };
+    double before = 0.0, here = nearness(flip ? kAngles - 1 : 0), after = nearness(flip ? 0 : 1);
     for (int k = flip ? 0 : 1; k * order < kAngles; ++k) {
-      const double before = nearness[(k + kAngles - 1) % kAngles], here = nearness[k];
-      const double after = nearness[(k + 1) % kAngles];
+      before = std::exchange(here, std::exchange(after, nearness((k + 1) % kAngles)));
       double angle = kStep * k;
       if (here >= before && here > after) {
         angle += kStep * 0.5 * (before - after) / (before - 2.0 * here + after);
