@@ -94,6 +94,19 @@ void checkName(const std::string& name) {
                                 "\", must have no slash, no line break and no dot in front");
 }
 
+void checkDrawing(const std::string& drawing) {
+  constexpr char kRemedy[] = "; give a drawing (.dxf), or a STEP file (.step, .stp) of a flat part";
+  const fs::path path(drawing);
+  if (!fs::exists(path)) throw std::invalid_argument(drawing + ": does not exist" + kRemedy);
+  std::string kind = path.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(),
+                 [](const unsigned char c) { return std::tolower(c); });
+  if (kind == ".yaml" || kind == ".yml")
+    throw std::invalid_argument(drawing + ": is a part file; give the drawing that it names");
+  if (kind != ".dxf" && !isStep(drawing))
+    throw std::invalid_argument(drawing + ": is neither a drawing nor a STEP file" + kRemedy);
+}
+
 void checkThickness(const std::optional<double>& thickness_mm) {
   constexpr double kMost = 1000.0;  // as a part file's
   if (!thickness_mm || (*thickness_mm >= 0.0 && *thickness_mm <= kMost)) return;
@@ -133,9 +146,7 @@ PartFile takeDrawing(Options* options, const fs::path& dxf) {
 int run(Options options) {
   const fs::path drawing(options.drawing);
   if (options.name.empty()) options.name = drawing.stem().string();
-  if (const std::string kind = drawing.extension().string(); kind == ".yaml" || kind == ".yml")
-    throw std::invalid_argument(options.drawing +
-                                ": is a part file; give the drawing that it names");
+  checkDrawing(options.drawing);
   checkName(options.name);
   checkThickness(options.thickness_mm);
   if (isStep(options.drawing) && !options.units.empty())

@@ -162,10 +162,13 @@ void explainMissingBoards(std::size_t samples, Seen* seen, HandEyeResult* result
   const std::string why = whyMissing(seen, most);
   // On its own a missing board is no flaw of a result that is good.
   if (result->verdict == Verdict::kGood) return;
-  const std::string reason = why + std::to_string(missing) + " of " + std::to_string(samples) +
-                             " pictures show no usable board of " +
-                             std::to_string(seen->problem.board.cols) + "x" +
-                             std::to_string(seen->problem.board.rows) + " inner corners (" +
+  const std::string count = std::to_string(missing) + " of " + std::to_string(samples);
+  const std::string reason = why +
+                             (samples == 1   ? "the only picture shows"
+                              : missing == 1 ? count + " pictures shows"
+                                             : count + " pictures show") +
+                             " no usable board of " + std::to_string(seen->problem.board.cols) +
+                             "x" + std::to_string(seen->problem.board.rows) + " inner corners (" +
                              seen->without_board.front().text() + ")";
   result->reasons.insert(most ? result->reasons.begin() : result->reasons.end(), reason);
 }

@@ -111,7 +111,8 @@ class BinCases:
         self.assertIn("bin_found: [0.0", saved.message)
         process.terminate()
         process.wait(UP)
-        process = self.kept_locator(cell())
+        # What was believed just within the limits does not stop the next start, whatever rounding made of it.
+        process = self.kept_locator(dict(cell(), bin_moved_max=used.moved - 5e-5))
         bin_ = rospy.wait_for_message("kept/bin", PoseStamped, UP)
         self.assertEqual(bin_.header.frame_id, "tray")
         self.assertLess(numpy.linalg.norm(matrix(bin_.pose) - there), 0.01)

@@ -166,8 +166,14 @@ class RegionCases:
                          ["a corner more", "delete this corner", "save", "forget the changes"])
         more, less, save, forget = (entry.id for entry in handles[0].markers[0].menu_entries)
         menu = InteractiveMarkerFeedback.MENU_SELECT
+        # A click alone changes nothing: there is nothing to save.
+        at = handles[0].markers[0].pose.position
+        for event in (InteractiveMarkerFeedback.MOUSE_DOWN, InteractiveMarkerFeedback.MOUSE_UP):
+            does(event, place=(at.x + 1e-7, at.y))
+        does(menu, menu=save)
         does(menu, menu=more)
         self.comes_true(lambda: len(corners()) == 5)
+        self.assertFalse(os.path.exists(self.region_file))
         self.assertEqual(self.corners(), 5)
         does(menu, corner="corner 2", menu=less)
         self.comes_true(lambda: len(corners()) == 4)

@@ -74,6 +74,10 @@ TEST_F(AddPart, LeavesTheFolderAsItWasWhereItRefuses) {
                         {"--thickness-mm is ", wrong, "1000"}));
   EXPECT_TRUE(refused(dir_.write("part.yaml", "drawing: bad.dxf\n") + " " + dir_.path("parts"),
                       {"part.yaml", "part file"}));
+  EXPECT_TRUE(refused(dir_.path("gone.dxf") + " " + dir_.path("parts"),
+                      {"gone.dxf: does not exist", "give a drawing (.dxf)"}));
+  EXPECT_TRUE(refused(dir_.write("lever.dwg", "") + " " + dir_.path("parts"),
+                      {"lever.dwg: is neither a drawing nor a STEP file"}));
   EXPECT_EQ(files(), 0u);
   dir_.write("parts/bracket.yaml", "mine");
   EXPECT_TRUE(refused(kBracket + " " + dir_.path("parts"), {"bracket.yaml", "--name"}));
@@ -159,7 +163,7 @@ TEST_F(AddStep, SaysWhatIsWrongAndLeavesTheFolderAsItWas) {
   };
   EXPECT_TRUE(refuses(data("bent.step"), {"bent.step", "no flat part", "DXF"}));
   EXPECT_TRUE(refuses(data("two.step"), {"two.step", "2 solids", "one part"}));
-  EXPECT_TRUE(refuses(dir_.path("none.step"), {"none.step", "cannot be read"}));
+  EXPECT_TRUE(refuses(dir_.path("none.step"), {"none.step", "does not exist"}));
   EXPECT_TRUE(refuses(dir_.write("text.step", "no step"), {"text.step", "no STEP file"}));
   const std::string step = read(data("plate.step"));
   for (const double share : {0.1, 0.5, 0.9}) {

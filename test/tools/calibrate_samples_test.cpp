@@ -169,6 +169,11 @@ TEST_F(CalibrateSamples, SaysWhichBoardsAreOutOfView) {
   EXPECT_NE(said_.find("  - board partly out of view: its edge leaves the picture"),
             std::string::npos)
       << said_;
+  EXPECT_NE(said_.find("; 3 of 3 pictures show no usable board of 9x6"), std::string::npos)
+      << said_;
+  dir_->write("only.yaml", half("half.png"));
+  EXPECT_EQ(run("9x6", "0.02", inHand("only.yaml")), 3) << said_;
+  EXPECT_NE(said_.find("the only picture shows no usable board"), std::string::npos) << said_;
 }
 
 TEST_F(CalibrateSamples, SaysNothingOnStandardErrorAndWhereItWrote) {

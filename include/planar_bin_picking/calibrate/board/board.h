@@ -46,8 +46,10 @@ struct Board {
 ///         it was
 void validate(const Board& board);
 
-/// Parses "9x6". @throws std::invalid_argument  what it was and what is expected
-Board parseBoard(const std::string& text, double square);
+/// Parses "9x6".
+/// @param key  what the user calls it, for the message
+/// @throws std::invalid_argument  what it was and what is expected
+Board parseBoard(const std::string& text, double square, const std::string& key = "board");
 
 /// The fewest corners of a part of a board that count, and how far apart they have to lie at least
 /// across the direction in which they lie farthest apart, RMS, squares: nearly in a row, or fewer,

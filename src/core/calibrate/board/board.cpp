@@ -36,14 +36,14 @@ void validate(const Board& board) {
   }
 }
 
-Board parseBoard(const std::string& text, double square) {
+Board parseBoard(const std::string& text, double square, const std::string& key) {
   std::istringstream in(text);
   in.imbue(std::locale::classic());
   Board board;
   char by = 0;
   if (!(in >> board.cols >> by >> board.rows) || by != 'x' || in.get() != EOF) {
-    throw std::invalid_argument("board is \"" + text +
-                                "\", must be its inner corners as COLSxROWS, such as 9x6");
+    throw std::invalid_argument(key + " is \"" + text +
+                                "\", must be the board's inner corners as COLSxROWS, such as 9x6");
   }
   board.square = square;
   validate(board);

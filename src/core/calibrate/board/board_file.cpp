@@ -28,7 +28,7 @@ Board loadBoard(const std::string& path) {
   try {
     const Board::Kind kind = parseKind(text("kind", "checkerboard or charuco"));
     Board board = parseBoard(text("corners", "inner corners as COLSxROWS, such as 9x6"),
-                             valueAs<double>(root["square"], path, "square", "metres"));
+                             valueAs<double>(root["square"], path, "square", "metres"), "corners");
     board.kind = kind;
     const bool has_markers = kind == Board::Kind::kCharuco;
     for (const char* key : {"marker", "dictionary"}) {

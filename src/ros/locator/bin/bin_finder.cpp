@@ -25,6 +25,10 @@ namespace {
 constexpr double kDegrees = M_PI / 180.0;
 constexpr double kLongestWait = 3600.0;  // s, as LocatePart's
 
+/// What is kept is rounded, by hand perhaps to four digits: a bin that was believed just within the
+/// limits must not stop the next start.
+constexpr double kRoundedMetres = 1e-4, kRoundedDegrees = 0.02;
+
 /// What an operator has to know of a change.
 constexpr char kKeep[] = "; ~save_parameters keeps that beyond a restart";
 
@@ -50,7 +54,11 @@ BinFinder::BinFinder(Host host, const ros::NodeHandle& call_pnh) : host_(std::mo
 void BinFinder::begin() {
   const Settings settings = host_.settings();
   if (settings.T_told_found.matrix() == Eigen::Matrix4d::Identity()) return;
-  const FoundBin found = planar_bin_picking::foundAt(settings.search, settings.T_told_found);
+  BinSearch limits = settings.search;
+  limits.moved_max += kRoundedMetres;
+  limits.turned_max_deg += kRoundedDegrees;
+  limits.tilted_max_deg += kRoundedDegrees;
+  const FoundBin found = planar_bin_picking::foundAt(limits, settings.T_told_found);
   if (!found.is_within) {
     throw std::invalid_argument("~cell/bin_found: " + describe(found) +
                                 ", and bin_moved_max, bin_turned_max_deg and bin_tilted_max_deg "

@@ -24,6 +24,7 @@ using planar_bin_picking::RegionOutline;
 namespace {
 
 constexpr int kPointsQueue = 100;
+constexpr double kStill = 1e-4;           // metres: less than a hand can mean
 constexpr std::size_t kPointsMost = 100;  // corners; somebody clicks without end
 
 /// @return  whether points make an outline; else why not, in `why`
@@ -118,10 +119,17 @@ void RegionKeeper::change(const std::size_t corner, const std::function<void(Reg
   show(with_handles);
 }
 
+bool RegionKeeper::isStill(const std::size_t corner, const Eigen::Vector2d& place) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const RegionOutline& now = corners();
+  return points_.empty() && corner < now.size() && (place - now[corner]).norm() < kStill;
+}
+
 RegionHandles::Actions RegionKeeper::actions() {
   RegionHandles::Actions actions;
   actions.move = [this](const std::size_t corner, const Eigen::Vector3d& place, bool is_end) {
     const Eigen::Vector3d there = settings_.T_frame_region().inverse() * place;
+    if (isStill(corner, there.head<2>())) return;
     // A handle that is sent anew would be taken out of the hand that drags it.
     change(
         corner, [&](RegionOutline* corners) { (*corners)[corner] = there.head<2>(); }, is_end);

@@ -57,6 +57,8 @@ class RegionKeeper {
   void change(std::size_t corner,
               const std::function<void(planar_bin_picking::RegionOutline* corners)>& edit,
               bool with_handles = true);
+  /// Whether nothing has been changed yet, and that would not change anything: a click on a handle.
+  bool isStill(std::size_t corner, const Eigen::Vector2d& place) const;
   std::string saveTaught(bool* is_saved);
   std::string forgetTaught(bool* is_done);
   bool save(Request& request, Response& response);

@@ -164,6 +164,8 @@ TEST(Charuco, EverythingWrongInAFileIsNamed) {
               {"50 markers", "needs 65"}));
   EXPECT_TRUE(refused("kind: checkerboard\ncorners: 9x6\nsquare: 0.02\nmarker: 0.01\n",
                       {"marker", "left out"}));
+  EXPECT_TRUE(refused("kind: checkerboard\ncorners: 9\nsquare: 0.02\n",
+                      {"board.yaml: corners is \"9\"", "COLSxROWS"}));
   EXPECT_TRUE(refused(charuco + "size: 3\n", {"unknown key", "size"}));
 }
 
