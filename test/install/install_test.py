@@ -35,6 +35,7 @@ COMMANDS = {
     "add_part": r"rosrun planar_bin_picking add_part ",
     "robot_server": r"roslaunch planar_bin_picking robot_server\.launch ",
     "teach": r"roslaunch planar_bin_picking teach\.launch ",
+    "rename": r"rosservice call /teach/rename ",
     "cell": r"roslaunch planar_bin_picking cell\.launch ",
     "locate": r"rosservice call /locator/locate_part ",
     "save_region": r"rosservice call /locator/save_region$",
@@ -271,6 +272,7 @@ class Installed(unittest.TestCase):
             robot = self.ask_robot_server("locate bracket")
             session.start(self.here(command("teach")) + " rviz:=false", "teach")
             session.wait_for("rosservice call /teach/save | grep 'has these pick poses already'", 60)
+            self.assertIn("success: True", session.run(command("rename")))
             session.run(command("tune"))
             saved = session.run(command("save_parameters"))
             checked = session.run(command("check_cell") + " --count 2 || true", 120)  # two say little about the spread

@@ -18,6 +18,7 @@ import rospkg
 import rospy
 import rostest
 import yaml
+from planar_bin_picking.srv import RenamePick
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import InteractiveMarkerControl, InteractiveMarkerFeedback, InteractiveMarkerInit, Marker
@@ -43,7 +44,7 @@ class Teach(unittest.TestCase):
             file.write(BY_HAND)
         rospy.set_param("teach/part", "bracket")
         rospy.set_param("teach/parts_folder", self.folder)
-        self.markers, self.status = {}, ""
+        self.markers, self.status, self.seen = {}, "", []
         self.topics = [rospy.Subscriber("teach/poses/update_full", InteractiveMarkerInit, self.take),
                        rospy.Subscriber("teach/status", String, self.take_status)]
         self.feedback = rospy.Publisher("teach/poses/feedback", InteractiveMarkerFeedback, queue_size=10)
@@ -74,6 +75,7 @@ class Teach(unittest.TestCase):
 
     def take_status(self, message):
         self.status = message.data
+        self.seen.append(message.data)
 
     def comes_true(self, condition):
         end = time.monotonic() + UP
@@ -168,6 +170,12 @@ class Teach(unittest.TestCase):
         self.choose("front", "delete", "front is deleted")
         self.comes_true(lambda: "front" not in self.markers)
         self.choose("back", "turn by 90 degrees", "back: turn")
+        # A click alone is no move.
+        self.seen.clear()
+        self.send("back", InteractiveMarkerFeedback.MOUSE_DOWN, pose=self.markers["back"].pose)
+        self.send("back", InteractiveMarkerFeedback.MOUSE_UP, pose=self.markers["back"].pose)
+        self.choose("back", "rename", "rosservice call /teach/rename \"{name: back, new_name: NEW}\"")
+        self.assertNotIn("back is moved", self.seen)
         self.assertEqual(self.content(), BY_HAND)
         self.choose(PART, "save", "2 pick poses written")
         expected = BY_HAND.replace("[30, 17, 0]", "[46, 17, 0]").replace(
@@ -176,8 +184,16 @@ class Teach(unittest.TestCase):
         self.assertEqual(self.saved(), (["elbow", "back"], []))
         self.choose("back", "earlier: the robot prefers it", "the order is back, elbow")
         self.choose("back", "earlier: the robot prefers it", "is the first already")
+        rename = rospy.ServiceProxy("teach/rename", RenamePick)
+        for name, new_name, words in (("back", "under side", "a word without"), ("back", "elbow", "already")):
+            refused = rename(name=name, new_name=new_name)
+            self.assertFalse(refused.success)
+            self.assertIn(words, refused.message)
+        self.assertTrue(rename(name="elbow", new_name="web").success)
+        self.comes_true(lambda: set(self.markers) == {PART, "back", "web"})
         self.choose(PART, "save", "2 pick poses written")
-        self.assertEqual(self.saved(), (["back", "elbow"], []))
+        self.assertEqual(self.saved(), (["back", "web"], []))
+        self.assertIn("# for the soft cup", self.content())
 
     def test_what_would_send_the_tool_the_wrong_way_is_not_saved(self):
         save = rospy.ServiceProxy("teach/save", Trigger)

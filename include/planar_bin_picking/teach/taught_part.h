@@ -7,6 +7,7 @@
 
 #include "planar_bin_picking/part/part_model.h"
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,9 @@ class TaughtPart {
   std::string add(Face face, const std::optional<Eigen::Vector2d>& at);
   /// One place earlier in that order. @throws std::invalid_argument  there is none, or it is first
   void prefer(const std::string& name);
+  /// @throws std::invalid_argument  there is none, or the new name is not one or is taken; what to
+  ///         do instead
+  void rename(const std::string& name, const std::string& new_name);
   /// @throws std::invalid_argument  there is none
   void remove(const std::string& name);
 
@@ -51,10 +55,13 @@ class TaughtPart {
 
  private:
   std::size_t indexOf(const std::string& name) const;
+  /// What the file calls a pose; "" where it has none.
+  std::string nameInFile(const std::string& name) const;
 
   std::string path_;
   PartPtr part_;
   std::vector<PickPose> poses_;
+  std::map<std::string, std::string> former_names_;  ///< of renamed poses: now -> in the file
 };
 
 /// The path of a part that is given as a path, or by its name in a folder.

@@ -60,12 +60,7 @@ PickPose readPickPose(const YAML::Node& node, const std::string& where, WrongPic
   refuseUnknownKeys(node, where, {"name", "position_mm", "rpy_deg", "face", "symmetric"});
   PickPose pick;
   pick.name = valueAs<std::string>(node["name"], where, "name", "a word");
-  // A copy's number, and the pose's frame on tf, are set apart by these.
-  const bool word = std::all_of(pick.name.begin(), pick.name.end(), [](unsigned char c) {
-    return c > ' ' && c != 0x7F && c != '@' && c != '/';
-  });
-  if (pick.name.empty() || !word)
-    throwBadValue(where, "name", node["name"], "a word without @ and /");
+  if (!isPickName(pick.name)) throwBadValue(where, "name", node["name"], kPickNameExpected);
   if (node["face"]) pick.face = readFace(node["face"], where);
   if (node["symmetric"])
     pick.symmetric = valueAs<bool>(node["symmetric"], where, "symmetric", "true or false");

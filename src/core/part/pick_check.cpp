@@ -77,6 +77,12 @@ double depthOf(const PickPose& pose, Face face, double face_z) {
 
 }  // namespace
 
+bool isPickName(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](const unsigned char c) {
+    return c > ' ' && c != 0x7F && c != '@' && c != '/';
+  });
+}
+
 std::string wrongDirection(const PickPose& pose) {
   const Eigen::Vector3d z = pose.T_part_pick.linear().col(2);
   for (const Face face : {Face::kFront, Face::kBack}) {

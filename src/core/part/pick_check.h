@@ -13,6 +13,10 @@
 
 namespace planar_bin_picking {
 
+/// A word without @ and /, which set apart a copy's number and the pose's frame on tf.
+bool isPickName(const std::string& name);
+inline constexpr char kPickNameExpected[] = "a word without @ and /";
+
 /// @return  what is wrong with the pose's z, and the remedy; empty where it points into the part
 ///          for every face that the pose applies to
 std::string wrongDirection(const PickPose& pose);

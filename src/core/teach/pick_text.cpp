@@ -347,11 +347,12 @@ bool isSamePick(const PickPose& a, const PickPose& b) {
          isSamePosition(a, b) && turnBetween(a, b) < kRoundedRadians;
 }
 
-std::string withPickPoses(const std::string& text, const std::vector<PickPose>& poses) {
+std::string withPickPoses(const std::string& text, const std::vector<PickPose>& poses,
+                          const FormerNames& names) {
   // The mark that some editors put first is no part of the positions that the parser gives.
   const std::string mark = text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? "\xEF\xBB\xBF" : "";
   const std::string bare = text.substr(mark.size());
-  std::string after = Editor(bare).with(poses);
+  std::string after = Editor(withNames(bare, names)).with(poses);
   // Else it is not what it should be: the check says so.
   if (isReadable(after)) after = Editor(after).ordered(poses);
   check(bare, after, poses);

@@ -6,6 +6,7 @@
 /// comments included, stays as it is, byte for byte.
 
 #include "planar_bin_picking/part/pick_poses.h"
+#include "teach/pick_names.h"
 
 #include <string>
 #include <vector>
@@ -17,9 +18,11 @@ namespace planar_bin_picking {
 /// where a pose goes or another comes there.
 /// @param text   a part file that can be read
 /// @param poses  all that it is to have, in the order that it is to have
+/// @param names  of those that the file calls otherwise
 /// @throws std::runtime_error  it is written so that this cannot be done safely: why, and what to
 ///         change by hand. Lengths are rounded to 0.001 mm, angles to 0.001 degrees.
-std::string withPickPoses(const std::string& text, const std::vector<PickPose>& poses);
+std::string withPickPoses(const std::string& text, const std::vector<PickPose>& poses,
+                          const FormerNames& names = {});
 
 /// Whether they differ by more than that rounding.
 bool isSamePick(const PickPose& a, const PickPose& b);

@@ -26,6 +26,11 @@ PartPtr load(const std::string& path) {
   return std::make_shared<const PartModel>(loadPartFile(path, WrongPicks::kWarned));
 }
 
+bool has(const std::vector<PickPose>& poses, const std::string& name) {
+  return std::any_of(poses.begin(), poses.end(),
+                     [&](const PickPose& pose) { return pose.name == name; });
+}
+
 bool isSame(const std::vector<PickPose>& a, const std::vector<PickPose>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), isSamePick);
 }
@@ -62,10 +67,7 @@ std::string TaughtPart::add(Face face, const std::optional<Eigen::Vector2d>& at)
   pose.name = word;
   const auto is_taken = [&](const std::string& name) {
     // Names of the file, too: one that is removed and added again is another one.
-    const auto has = [&](const PickPose& other) { return other.name == name; };
-    const auto& in_file = part_->file().pick_poses;
-    return std::any_of(poses_.begin(), poses_.end(), has) ||
-           std::any_of(in_file.begin(), in_file.end(), has);
+    return has(poses_, name) || has(part_->file().pick_poses, name);
   };
   for (int i = 2; is_taken(pose.name); ++i) pose.name = word + "_" + std::to_string(i);
   pose.face = FaceFilter::kFront;
@@ -87,8 +89,36 @@ void TaughtPart::prefer(const std::string& name) {
   std::swap(poses_[index - 1], poses_[index]);
 }
 
+std::string TaughtPart::nameInFile(const std::string& name) const {
+  const auto former = former_names_.find(name);
+  if (former != former_names_.end()) return former->second;
+  const bool is_another = std::any_of(former_names_.begin(), former_names_.end(),
+                                      [&](const auto& entry) { return entry.second == name; });
+  return !is_another && has(part_->file().pick_poses, name) ? name : "";
+}
+
+void TaughtPart::rename(const std::string& name, const std::string& new_name) {
+  const std::size_t index = indexOf(name);
+  if (!isPickName(new_name))
+    throw std::invalid_argument("pick pose " + name + " cannot be called \"" + new_name +
+                                "\": give " + kPickNameExpected);
+  if (has(poses_, new_name))
+    throw std::invalid_argument("there is a pick pose " + new_name + " already; rename that first");
+  const auto isFromThere = [&](const PickPose& pose) { return nameInFile(pose.name) == new_name; };
+  // In the file's text nobody could tell the one that was deleted from this one.
+  if (has(part_->file().pick_poses, new_name) &&
+      std::none_of(poses_.begin(), poses_.end(), isFromThere))
+    throw std::invalid_argument("the file still has the pick pose " + new_name +
+                                " that was deleted; save first");
+  const std::string in_file = nameInFile(name);
+  former_names_.erase(name);
+  if (!in_file.empty() && in_file != new_name) former_names_[new_name] = in_file;
+  poses_[index].name = new_name;
+}
+
 void TaughtPart::remove(const std::string& name) {
   poses_.erase(poses_.begin() + static_cast<std::ptrdiff_t>(indexOf(name)));
+  former_names_.erase(name);
 }
 
 std::string TaughtPart::faultOf(const PickPose& pose) const {
@@ -133,7 +163,7 @@ std::string TaughtPart::save() {
                                ": its pick poses have been changed meanwhile by somebody else, "
                                "nothing is saved; read the file anew");
     }
-    const std::string changed = withPickPoses(text, poses_);
+    const std::string changed = withPickPoses(text, poses_, former_names_);
     if (changed == text) return yaml + " has these pick poses already" + faults;
     replaceContent(yaml, changed);
   }
@@ -145,6 +175,7 @@ std::string TaughtPart::save() {
 void TaughtPart::readAnew() {
   part_ = load(path_);
   poses_ = part_->file().pick_poses;
+  former_names_.clear();
 }
 
 std::string findPart(const std::string& part, const std::string& folder) {

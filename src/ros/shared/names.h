@@ -98,6 +98,8 @@ constexpr char kTuningName[] = "tuning";
 constexpr char kTeachMarkersTopic[] = "poses";
 /// std_srvs/Trigger: writes the poses into the part's file
 constexpr char kSaveService[] = "save";
+/// planar_bin_picking/RenamePick: another name for a pick pose, which rviz has no field for
+constexpr char kRenameService[] = "rename";
 
 // Private parameter trees; nothing else is read.
 constexpr char kLocatorParams[] = "locator";

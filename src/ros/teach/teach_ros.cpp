@@ -23,6 +23,7 @@ using visualization_msgs::InteractiveMarkerFeedback;
 namespace {
 
 constexpr double kQuarter = EIGEN_PI / 2.0;
+constexpr double kStill = 1e-6;  // share by which rviz, which has less digits, rounds a pose
 
 std::string requiredParam(const ros::NodeHandle& pnh, const std::string& key,
                           const std::string& what) {
@@ -49,6 +50,7 @@ TeachRos::TeachRos(const ros::NodeHandle&, const ros::NodeHandle& pnh)
   ros::NodeHandle handle = pnh;
   status_ = handle.advertise<std_msgs::String>(kStatusTopic, 1, kLatch);
   save_ = handle.advertiseService(kSaveService, &TeachRos::serveSave, this);
+  rename_ = handle.advertiseService(kRenameService, &TeachRos::serveRename, this);
   const planar_bin_picking::PartModel& part = taught_.part();  // for rviz_cell.py: what to look at
   handle.setParam(
       "view", std::map<std::string, double>{
@@ -108,6 +110,10 @@ void TeachRos::addPoseMenu() {
                         order += (order.empty() ? "" : ", ") + pose.name;
                       return "the order is " + order;
                     }));
+  pose_menu_.insert("rename", entry([this](const auto& feedback) {
+                      return "in a terminal: rosservice call " + rename_.getService() +
+                             " \"{name: " + feedback.marker_name + ", new_name: NEW}\"";
+                    }));
   pose_menu_.insert("delete", entry([this](const auto& feedback) {
                       taught_.remove(feedback.marker_name);
                       return feedback.marker_name + " is deleted";
@@ -136,6 +142,10 @@ void TeachRos::moved(const Feedback& feedback) {
     const Eigen::Isometry3d T_part_pick = fromMsg(feedback->pose);
     if (feedback->header.frame_id != kTaughtFrame || !T_part_pick.matrix().allFinite())
       throw std::runtime_error("a move of " + pose.name + " is not in the frame " + kTaughtFrame);
+    // A click alone is no move.
+    const bool is_still = is_end && !is_dragged_ && pose.T_part_pick.isApprox(T_part_pick, kStill);
+    is_dragged_ = is_drag;
+    if (is_still) return;
     pose.T_part_pick = T_part_pick;
     taught_.change(pose);
     // A marker that is sent anew would be taken out of the hand that drags it.
@@ -149,6 +159,21 @@ void TeachRos::moved(const Feedback& feedback) {
 bool TeachRos::serveSave(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   try {
     response.message = taught_.save();
+    response.success = true;
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM(error.what());
+    response.message = error.what();
+    response.success = false;
+  }
+  show(response.message);
+  return true;
+}
+
+bool TeachRos::serveRename(planar_bin_picking::RenamePick::Request& request,
+                           planar_bin_picking::RenamePick::Response& response) {
+  try {
+    taught_.rename(request.name, request.new_name);
+    response.message = request.name + " is called " + request.new_name + " now";
     response.success = true;
   } catch (const std::exception& error) {
     ROS_ERROR_STREAM(error.what());

@@ -8,6 +8,7 @@
 
 #include <interactive_markers/interactive_marker_server.h>
 #include <interactive_markers/menu_handler.h>
+#include <planar_bin_picking/RenamePick.h>
 #include <ros/node_handle.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/static_transform_broadcaster.h>
@@ -40,6 +41,8 @@ class TeachRos {
       const std::function<std::string(const visualization_msgs::InteractiveMarkerFeedback&)>& act);
   void moved(const Feedback& feedback);
   bool serveSave(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool serveRename(planar_bin_picking::RenamePick::Request& request,
+                   planar_bin_picking::RenamePick::Response& response);
   /// Brings the markers up to date. @param news  what has happened, for people
   void show(const std::string& news);
 
@@ -47,9 +50,10 @@ class TeachRos {
   interactive_markers::InteractiveMarkerServer server_;
   interactive_markers::MenuHandler part_menu_, pose_menu_;
   std::set<std::string> shown_;  ///< poses with a marker
+  bool is_dragged_ = false;      ///< since a marker was last let go
   tf2_ros::StaticTransformBroadcaster tf_;
   ros::Publisher status_;
-  ros::ServiceServer save_;
+  ros::ServiceServer save_, rename_;
 };
 
 }  // namespace planar_bin_picking_ros

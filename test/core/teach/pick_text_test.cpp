@@ -72,6 +72,28 @@ TEST(PickText, OnlyTheChangedNumbersAreWritten) {
   EXPECT_EQ(withPickPoses(kByHand, poses), expected);
 }
 
+TEST(PickText, ARenamedPoseKeepsItsPlaceAndItsComments) {
+  Poses poses = read(kByHand);
+  poses[0].name = "cup, soft";
+  poses[0] = shifted(poses[0], 1.0);
+  poses[1].name = "web";  // what the other one was called
+  std::string expected = replaced(kByHand, "name: web,", "name: \"cup, soft\",");
+  expected = replaced(expected, "'eye'", "web");
+  expected = replaced(expected, "[30, 20, 0]", "[31, 20, 0]");
+  const auto refusal = [&] { withPickPoses(kByHand, poses, {{"cup, soft", "web"}}); };
+  EXPECT_TRUE(refuses(refusal, {"a word without @ and /"}));
+  poses[0].name = "cup";
+  expected = replaced(expected, "\"cup, soft\"", "cup");
+  EXPECT_EQ(withPickPoses(kByHand, poses, {{"cup", "web"}, {"web", "eye"}}), expected);
+  const std::string alias =
+      "drawing: a.dxf\npick_poses:\n  - {name: &n a, face: back, position_mm: [1, 2, 3]}\n";
+  EXPECT_TRUE(refuses(
+      [&] {
+        withPickPoses(alias, {named(read(alias)[0], "b")}, {{"b", "a"}});
+      },
+      {"write the name a as that word"}));
+}
+
 TEST(PickText, PosesComeAndGo) {
   Poses poses = read(kByHand);
   poses.push_back(named(shifted(poses[1], 5), "tip-2"));

@@ -117,6 +117,39 @@ TEST_F(TaughtPartTest, SavingChangesThePosesAlone) {
   EXPECT_EQ(status.st_mode & 0777, 0664u);
 }
 
+TEST_F(TaughtPartTest, PosesAreRenamed) {
+  const std::string path =
+      write(std::string(kCup) + "  - {name: pin, face: back, position_mm: [30, 10, -3]}\n");
+  TaughtPart taught(path);
+  for (const char* wrong : {"", "a b", "a/b", "a@2"})
+    EXPECT_TRUE(refuses([&] { taught.rename("cup", wrong); }, {"cup", "a word without @ and /"}));
+  EXPECT_TRUE(refuses([&] { taught.rename("cup", "pin"); }, {"a pick pose pin already"}));
+  EXPECT_TRUE(refuses([&] { taught.rename("none", "pin"); }, {"no pick pose none"}));
+  taught.rename("cup", "other");
+  taught.rename("pin", "cup");
+  taught.rename("other", "pin");
+  EXPECT_EQ(taught.add(Face::kFront, std::nullopt), "front");
+  taught.rename("front", "suction");
+  taught.save();
+  const std::string before = content("plate.yaml.before");
+  std::string expected = before;
+  expected.replace(expected.find("name: cup"), 9, "name: tmp");
+  expected.replace(expected.find("name: pin"), 9, "name: cup");
+  expected.replace(expected.find("name: tmp"), 9, "name: pin");
+  EXPECT_EQ(content("plate.yaml").substr(0, expected.size()), expected);
+  EXPECT_EQ(loadPartFile(path).pick_poses.back().name, "suction");
+  // There and back again is no change; a name whose pose was deleted is free once that is saved.
+  taught.rename("pin", "tip");
+  taught.rename("tip", "pin");
+  EXPECT_FALSE(taught.isChanged());
+  taught.remove("pin");
+  EXPECT_TRUE(refuses([&] { taught.rename("cup", "pin"); }, {"pin that was deleted; save first"}));
+  taught.save();
+  taught.rename("cup", "pin");
+  taught.save();
+  EXPECT_EQ(loadPartFile(path).pick_poses.front().name, "pin");
+}
+
 TEST_F(TaughtPartTest, ADrawingAloneGetsAPartFile) {
   TaughtPart taught(findPart("plate", dir_.path("")));
   taught.add(Face::kFront, std::nullopt);
