@@ -4,7 +4,7 @@
 """Measures what a large parts folder costs a locator, and whether its memory stays flat.
 
     ./run bench parts [--count 500]      seconds from the start to the first answer, memory per part
-    ./run bench parts --calls 2000       locates while parts come, change and go; memory every tenth of the calls
+    ./run bench parts --calls 2000       locates while parts come, change and go; memory at each quarter of the calls
 
 The parts are the drawings of test/data/parts, over and over. The locator is the built node, with a ROS master of
 its own; its log stays in build/bench/parts/.
@@ -29,6 +29,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "test/ros"))
 UP = 60.0  # s, for a node to come up
 EVERY = 3  # calls from one change of the parts folder to the next
+FEW = 100  # calls after which all threads have had one
 
 
 def free_port():
@@ -135,7 +136,7 @@ def calls(scratch, count):
             status = locate(parts=names, timeout=rospy.Duration(20.0)).status
             statuses[status] = statuses.get(status, 0) + 1
             seen |= {(part.name, part.read_at.to_nsec()) for part in node.list_parts()}
-            if call == 1 or call % max(1, count // 10) == 0:
+            if call in (1, FEW) or call % max(1, count // 4) == 0:
                 print(f"| {call} | {memory_mb(node.process):.1f} | {len(seen)} |", flush=True)
         print("answers by status:", statuses)
 

@@ -6,11 +6,17 @@
 #include "part/pick_check.h"
 #include "planar_bin_picking/drawing/drawing_file.h"
 
+#include <dirent.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <memory>
 #include <set>
 #include <stdexcept>
+#include <system_error>
 
 namespace planar_bin_picking {
 namespace {
@@ -233,18 +239,35 @@ PartFile loadYamlPart(const fs::path& path, WrongPicks wrong_picks) {
   return part;
 }
 
+/// Names in a folder that begin with a stem and a dot. The library's iterator makes a path of every
+/// name: among a thousand files that takes longer than to read the drawing.
+std::vector<std::string> namesBeside(const fs::path& folder, const std::string& stem) {
+  auto close = [](DIR* entries) { closedir(entries); };
+  const std::unique_ptr<DIR, decltype(close)> entries(opendir(folder.c_str()), close);
+  std::vector<std::string> names;
+  const std::string begin = stem + ".";
+  while (entries) {
+    errno = 0;
+    const dirent* const entry = readdir(entries.get());
+    if (entry == nullptr) break;
+    if (std::strncmp(entry->d_name, begin.c_str(), begin.size()) == 0)
+      names.emplace_back(entry->d_name);
+  }
+  if (!entries || errno != 0) {
+    throw std::runtime_error(folder.string() + ": cannot be read (" +
+                             std::generic_category().message(errno) +
+                             "), and a part file may lie there");
+  }
+  return names;
+}
+
 /// Part files of that stem in that folder: whether .yaml or .yml, in capitals or not.
 std::vector<fs::path> partFilesBeside(const fs::path& given) {
   std::vector<fs::path> found;
-  std::error_code error;
   const fs::path folder = given.has_parent_path() ? given.parent_path() : fs::path(".");
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (isYaml(it->path()) && it->path().stem() == given.stem())
-      found.push_back(given.parent_path() / it->path().filename());
-  }
-  if (error) {
-    throw std::runtime_error(folder.string() + ": cannot be read (" + error.message() +
-                             "), and a part file may lie there");
+  for (const std::string& text : namesBeside(folder, given.stem().string())) {
+    const fs::path name(text);
+    if (isYaml(name) && name.stem() == given.stem()) found.push_back(given.parent_path() / name);
   }
   std::sort(found.begin(), found.end());
   return found;
