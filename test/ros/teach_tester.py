@@ -148,7 +148,7 @@ class Teach(unittest.TestCase):
 
     def test_poses_are_taught_and_saved(self):
         self.assertEqual(set(self.markers), {PART, "elbow"})
-        self.assertTrue(self.drawn(PART, Marker.CUBE_LIST)[0].points)  # the face
+        self.assertTrue(self.drawn(PART, Marker.TRIANGLE_LIST)[0].points)  # the face
         self.assertEqual(len(self.drawn(PART, Marker.LINE_LIST)), 2)  # outline, holes
         modes = {control.interaction_mode for control in self.markers["elbow"].controls}
         self.assertLessEqual({InteractiveMarkerControl.MOVE_PLANE, InteractiveMarkerControl.MOVE_AXIS,
@@ -172,8 +172,9 @@ class Teach(unittest.TestCase):
         self.choose("back", "turn by 90 degrees", "back: turn")
         # A click alone is no move.
         self.seen.clear()
-        self.send("back", InteractiveMarkerFeedback.MOUSE_DOWN, pose=self.markers["back"].pose)
-        self.send("back", InteractiveMarkerFeedback.MOUSE_UP, pose=self.markers["back"].pose)
+        for event in (InteractiveMarkerFeedback.MOUSE_DOWN, InteractiveMarkerFeedback.POSE_UPDATE,
+                      InteractiveMarkerFeedback.MOUSE_UP):
+            self.send("back", event, pose=self.markers["back"].pose)
         self.choose("back", "rename", "rosservice call /teach/rename \"{name: back, new_name: NEW}\"")
         self.assertNotIn("back is moved", self.seen)
         self.assertEqual(self.content(), BY_HAND)

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "teach/teach_markers.h"
 
+#include "planar_bin_picking/show/solid.h"
 #include "planar_bin_picking/teach/snap.h"
 #include "shared/convert.h"
 #include "shared/marker_values.h"
@@ -26,15 +27,16 @@ using visualization_msgs::Marker;
 
 namespace {
 
-/// Metres; what is drawn of a tool or a part of which the file says nothing.
-constexpr double kToolRadius = 0.005, kThickness = 0.0005;
-constexpr double kLine = 0.0005;    // width of a contour
-constexpr double kOverFace = 1e-4;  // so that a contour is not drawn within the face
-constexpr double kOverlap = 1.04;   // of the face's cells, so that no gaps are seen
+constexpr double kToolRadius = 0.005;  // metres; drawn where the file says nothing of the tool
+constexpr double kLine = 0.0005;       // width of a contour
+constexpr double kOverFace = 1e-4;     // so that a contour is not drawn within the face
 // In radii of the part.
 constexpr double kText = 0.06, kAxis = 0.25, kHandle = 0.3;
 constexpr double kFaultText = 0.045;
-constexpr std::size_t kTextWidth = 48, kFaultWidth = 80;  // letters
+/// Of a text's height: rviz puts its middle where it is told, and its lines as far apart as this
+/// twice.
+constexpr double kHalfLine = 1.6;
+constexpr std::size_t kTextWidth = 70, kFaultWidth = 80;  // letters
 
 /// What is about x is then about the axis.
 geometry_msgs::Quaternion xToward(const Eigen::Vector3d& axis) {
@@ -63,6 +65,10 @@ Marker makeText(const std::string& text, const std_msgs::ColorRGBA& rgba, const 
   return marker;
 }
 
+double linesBelowFirst(const std::string& text) {
+  return static_cast<double>(std::count(text.begin(), text.end(), '\n'));
+}
+
 /// In lines that stay beside the part.
 std::string wrapped(const std::string& text, const std::size_t width) {
   std::istringstream in(text);
@@ -77,13 +83,11 @@ std::string wrapped(const std::string& text, const std::size_t width) {
 }
 
 Marker body(const PartModel& part) {
-  const auto& grid = part.faceGrid();
-  const double thickness = std::max(kThickness, part.thickness());
-  Marker cells = makeMarker(Marker::CUBE_LIST, colorOf(0.45f, 0.47f, 0.5f), Eigen::Vector3d::Zero(),
-                            {kOverlap * grid.cellSize(), kOverlap * grid.cellSize(), thickness});
-  for (const Eigen::Vector2d& cell : grid.cells())
-    cells.points.push_back(toPointMsg({cell.x(), cell.y(), -0.5 * thickness}));
-  return cells;
+  Marker solid = makeMarker(Marker::TRIANGLE_LIST, colorOf(0.45f, 0.47f, 0.5f),
+                            Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones());
+  for (const Eigen::Vector3d& corner : planar_bin_picking::solidTriangles(part))
+    solid.points.push_back(toPointMsg(corner));
+  return solid;
 }
 
 /// None where the part has no such contours: rviz reports lines without points as errors.
@@ -148,11 +152,16 @@ InteractiveMarker partMarker(const TaughtPart& taught, const std::string& news) 
   Eigen::AlignedBox2d box;
   for (const auto& p : part.file().drawing.loops.front().points) box.extend(p);
   const std::size_t count = taught.poses().size();
-  const std::string text = part.name() + ": " + std::to_string(count) + " pick pose" +
-                           (count == 1 ? "" : "s") + (taught.isChanged() ? ", not saved" : "");
-  control.markers.push_back(makeText(
-      text + (news.empty() ? "" : "\n" + wrapped(news, kTextWidth)), colorOf(1.0f, 1.0f, 1.0f),
-      {box.center().x(), box.max().y() + 0.4 * part.radius(), 0.0}, kText * part.radius()));
+  std::string text = part.name() + ": " + std::to_string(count) + " pick pose" +
+                     (count == 1 ? "" : "s") + (taught.isChanged() ? ", not saved" : "");
+  if (count > 0 && !part.file().tool.radius)
+    text += "\n" +
+            wrapped("no tool_radius_mm in its file: only the disk's middle is checked", kTextWidth);
+  if (!news.empty()) text += "\n" + wrapped(news, kTextWidth);
+  const double above = 0.25 + kHalfLine * kText * linesBelowFirst(text);
+  control.markers.push_back(makeText(text, colorOf(1.0f, 1.0f, 1.0f),
+                                     {box.center().x(), box.max().y() + above * part.radius(), 0.0},
+                                     kText * part.radius()));
   // Below the part, where no handles are in the way.
   std::string faults;
   for (const PickPose& pose : taught.poses()) {
@@ -161,8 +170,7 @@ InteractiveMarker partMarker(const TaughtPart& taught, const std::string& news) 
       faults += (faults.empty() ? "" : "\n") + wrapped(pose.name + ": " + fault, kFaultWidth);
   }
   if (!faults.empty()) {
-    const auto lines = static_cast<double>(std::count(faults.begin(), faults.end(), '\n'));
-    const double below = 0.4 + kFaultText * lines;  // a text's middle stands where it is put
+    const double below = 0.4 + kHalfLine * kFaultText * linesBelowFirst(faults);
     control.markers.push_back(
         makeText(faults, kRed, {box.center().x(), box.min().y() - below * part.radius(), 0.0},
                  kFaultText * part.radius()));

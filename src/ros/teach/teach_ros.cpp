@@ -23,7 +23,7 @@ using visualization_msgs::InteractiveMarkerFeedback;
 namespace {
 
 constexpr double kQuarter = EIGEN_PI / 2.0;
-constexpr double kStill = 1e-6;  // share by which rviz, which has less digits, rounds a pose
+constexpr double kStill = 1e-5;  // share by which rviz, which has fewer digits, changes a pose
 
 std::string requiredParam(const ros::NodeHandle& pnh, const std::string& key,
                           const std::string& what) {
@@ -142,10 +142,10 @@ void TeachRos::moved(const Feedback& feedback) {
     const Eigen::Isometry3d T_part_pick = fromMsg(feedback->pose);
     if (feedback->header.frame_id != kTaughtFrame || !T_part_pick.matrix().allFinite())
       throw std::runtime_error("a move of " + pose.name + " is not in the frame " + kTaughtFrame);
-    // A click alone is no move.
-    const bool is_still = is_end && !is_dragged_ && pose.T_part_pick.isApprox(T_part_pick, kStill);
+    // A click alone is no move, though rviz sends the pose as long as the button is down.
+    is_dragged_ = is_dragged_ || !pose.T_part_pick.isApprox(T_part_pick, kStill);
+    if (!is_dragged_) return;
     is_dragged_ = is_drag;
-    if (is_still) return;
     pose.T_part_pick = T_part_pick;
     taught_.change(pose);
     // A marker that is sent anew would be taken out of the hand that drags it.
