@@ -65,7 +65,7 @@ struct LoadedPart {
 };
 
 /// Reads many parts on all cores. @return  one for each path, in their order
-/// Cost: 7 ms for a part of 100 lines and arcs, on one core; test/benchmark/parts.py
+/// Cost: 5 ms for a part of 100 lines and arcs, on one core; test/benchmark/parts.py
 std::vector<LoadedPart> loadParts(const std::vector<std::string>& paths);
 
 }  // namespace planar_bin_picking
