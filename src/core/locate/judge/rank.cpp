@@ -3,6 +3,7 @@
 #include "locate/judge/rank.h"
 
 #include "base/polygon.h"
+#include "locate/judge/explained.h"
 
 #include <algorithm>
 #include <utility>
@@ -17,6 +18,10 @@ constexpr double kPrintSeen = 0.6;
 /// Share of the score that a printed pose must have of the one it replaces: a print that is only
 /// just seen lowers its score, a mean, by up to a fifth.
 constexpr double kNearly = 0.75;
+
+/// Inlier score of what better poses leave unexplained: combs in the gaps of combs have 0.06 to
+/// 0.12, right poses among neighbours that touch them 0.45 and more.
+constexpr double kOwnScore = 0.3;
 
 /// Coarse mask of a posed part in the ideal image plane.
 struct Mask {
@@ -95,12 +100,15 @@ std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
                    [&](const ScoredPose* a, const ScoredPose* b) { return merit(a) > merit(b); });
   std::vector<Detection> out;
   std::vector<Mask> masks;
+  ExplainedEdges explained(order);
   for (const auto* s : order) {
     const Mask mask = maskOf(*parts[s->part], *s);
     const bool taken = std::any_of(masks.begin(), masks.end(), [&](const Mask& m) {
       return std::max(overlap(mask, m), overlap(m, mask)) > params.overlap_max;
     });
     if (taken) continue;
+    if (explained.ownScore(*s) < kOwnScore) continue;
+    explained.add(*s);
     Detection d;
     static_cast<ScoredPose&>(d) = *s;
     d.part_name = parts[s->part]->name();

@@ -191,8 +191,13 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
       for (std::size_t k = 0; k < points.size(); ++k) {
         const double weight = weightOf(group, part.outline()[points[k].index].loop, px_per_metre) /
                               static_cast<double>(points.size());
-        sum += weight * inlierScore(hits[k], params.reach_px);
+        const double inlier = inlierScore(hits[k], params.reach_px);
+        sum += weight * inlier;
         weights += weight;
+        PosedPoint at;
+        if (posePoint(camera, points[k], part.radius(), T, &at))
+          out[i].outline.push_back({at.pixel.cast<float>(), at.normal.cast<float>(),
+                                    static_cast<float>(inlier), static_cast<float>(weight)});
       }
       addPieces(part, points, group.length[static_cast<int>(kind)], hits, params.visible_reach_px,
                 &pieces);

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace planar_bin_picking {
 namespace {
 
@@ -63,6 +65,19 @@ TEST(Rank, APrintThatIsSeenIsEvidenceAgainstWhatHasNone) {
   EXPECT_EQ(firstOf(0.9, 2), "printed");
   EXPECT_EQ(firstOf(0.3, 2), "plain");   // by chance
   EXPECT_EQ(firstOf(0.9, 70), "plain");  // lies elsewhere
+}
+
+/// A pose whose edges are those of a better one's other side: combs in the gaps of combs.
+TEST(Rank, WhatABetterOneExplainsConfirmsNothing) {
+  ScoredPose better = scoredAt(-100, 0.9), other = scoredAt(100, 0.7, 0.6);
+  for (float y = 0.0f; y < 200.0f; y += 2.0f) {
+    better.outline.push_back({{100.0f, y}, {1.0f, 0.0f}, 1.0f, 1.0f});
+    other.outline.push_back({{100.0f, y}, {-1.0f, 0.0f}, 1.0f, 1.0f});  // the same edge
+    other.outline.push_back({{200.0f, y}, {1.0f, 0.0f}, 0.25f, 0.5f});  // its own
+  }
+  EXPECT_EQ(rankPoses({better, other}, kParts, 0.5, {}).size(), 1u);
+  for (OutlineEvidence& point : other.outline) point.inlier = std::max(point.inlier, 0.35f);
+  EXPECT_EQ(rankPoses({better, other}, kParts, 0.5, {}).size(), 2u);
 }
 
 TEST(Rank, LowScoresAreLeftOut) {

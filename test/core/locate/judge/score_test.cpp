@@ -30,6 +30,37 @@ TEST(Score, ATruePoseScoresHigh) {
   }
 }
 
+TEST(Score, TheScoreIsTheMeanOfItsPoints) {
+  const auto part = makePart("bracket", bracketPlate());
+  const auto pose = scored(sceneOf(bracketPlate(), kLie), part, sim::poseOf(kLie));
+  double sum = 0.0, weights = 0.0;
+  for (const OutlineEvidence& point : pose.outline) {
+    sum += point.weight * point.inlier;
+    weights += point.weight;
+    EXPECT_NEAR(point.normal.norm(), 1.0f, 1e-5f);
+  }
+  EXPECT_NEAR(sum / weights, pose.score, 0.02);  // less what edges inside the outline take away
+  // The first point lies where the lens puts it, its normal out of the material.
+  const OutlineEvidence& first = pose.outline.front();
+  const Camera camera = makeCamera(kPinhole);
+  double nearest = 1e9;
+  Eigen::Vector2d inside(0.0, 0.0);
+  for (const OutlinePoint& p : part->outline()) {
+    const Eigen::Vector3d q =
+        sim::poseOf(kLie) * Eigen::Vector3d(p.position.x(), p.position.y(), 0);
+    const Eigen::Vector3d in =
+        sim::poseOf(kLie) * Eigen::Vector3d(p.position.x() - 1e-3 * p.normal.x(),
+                                            p.position.y() - 1e-3 * p.normal.y(), 0);
+    const Eigen::Vector2d pixel = camera.distort(q.hnormalized());
+    const double off = (pixel - first.pixel.cast<double>()).norm();
+    if (off >= nearest) continue;
+    nearest = off;
+    inside = camera.distort(in.hnormalized()) - pixel;
+  }
+  EXPECT_LT(nearest, 1.0);
+  EXPECT_LT(inside.normalized().dot(first.normal.cast<double>()), -0.9);
+}
+
 TEST(Score, ItFallsAsThePoseMovesAway) {
   const auto part = makePart("bracket", bracketPlate());
   const sim::Scene scene = sceneOf(bracketPlate(), kLie);

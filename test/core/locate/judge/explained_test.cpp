@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The planar_bin_picking authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "locate/judge/explained.h"
+
+#include <gtest/gtest.h>
+
+namespace planar_bin_picking {
+namespace {
+
+/// A square from x, y with sides of 100 pixels, a point every second one; its left side confirmed
+/// to `left`, the others to `others`.
+ScoredPose squareAt(float x, float y, float left, float others) {
+  ScoredPose out;
+  for (float k = 1.0f; k < 100.0f; k += 2.0f) {
+    out.outline.push_back({{x, y + k}, {-1.0f, 0.0f}, left, 1.0f});
+    out.outline.push_back({{x + 100.0f, y + k}, {1.0f, 0.0f}, others, 1.0f});
+    out.outline.push_back({{x + k, y}, {0.0f, -1.0f}, others, 1.0f});
+    out.outline.push_back({{x + k, y + 100.0f}, {0.0f, 1.0f}, others, 1.0f});
+  }
+  return out;
+}
+
+TEST(ExplainedEdges, AnEdgeOfANeighbourConfirmsNothing) {
+  const ScoredPose better = squareAt(50, 50, 1.0f, 1.0f);
+  const ScoredPose beside =
+      squareAt(152, 50, 1.0f, 0.2f);  // its left side is the other's right one
+  ExplainedEdges explained({&better, &beside});
+  EXPECT_NEAR(explained.ownScore(beside), 0.4, 1e-6);
+  explained.add(better);
+  EXPECT_NEAR(explained.ownScore(beside), 0.2, 0.02);
+}
+
+TEST(ExplainedEdges, AnEdgeOfTheSameSideDoes) {
+  const ScoredPose better = squareAt(50, 50, 1.0f, 1.0f);
+  const ScoredPose same = squareAt(51, 51, 1.0f, 0.2f);
+  ExplainedEdges explained({&better, &same});
+  explained.add(better);
+  EXPECT_NEAR(explained.ownScore(same), 0.4, 0.01);
+}
+
+TEST(ExplainedEdges, AnEdgeSixPixelsOffIsAnother) {
+  const ScoredPose better = squareAt(50, 50, 1.0f, 1.0f);
+  const ScoredPose apart = squareAt(157, 50, 1.0f, 0.2f);
+  ExplainedEdges explained({&better, &apart});
+  explained.add(better);
+  EXPECT_NEAR(explained.ownScore(apart), 0.4, 1e-6);
+}
+
+TEST(ExplainedEdges, PointsCountByTheirWeight) {
+  ScoredPose pose = squareAt(10, 10, 1.0f, 0.0f);
+  // The left side, every fourth point, as much as the three others together.
+  for (std::size_t i = 0; i < pose.outline.size(); i += 4) pose.outline[i].weight = 3.0f;
+  const ExplainedEdges none({&pose});
+  EXPECT_NEAR(none.ownScore(pose), 0.5, 1e-6);
+}
+
+TEST(ExplainedEdges, WhereHardlyAnyPointIsLeftTheScoreStands) {
+  // Four neighbours and itself in between: a tile among tiles.
+  ScoredPose middle = squareAt(200, 200, 1.0f, 0.8f);
+  middle.score = 0.77;
+  const ScoredPose around[] = {squareAt(100, 200, 1, 1), squareAt(300, 200, 1, 1),
+                               squareAt(200, 100, 1, 1), squareAt(200, 300, 1, 1)};
+  ExplainedEdges explained({&middle, &around[0], &around[1], &around[2], &around[3]});
+  for (const ScoredPose& other : around) explained.add(other);
+  EXPECT_EQ(explained.ownScore(middle), 0.77);
+}
+
+TEST(ExplainedEdges, OutlinesMayLeaveTheImageOrBeEmpty) {
+  const ScoredPose better = squareAt(-60, -60, 1.0f, 1.0f), beside = squareAt(42, -60, 1.0f, 0.2f);
+  ExplainedEdges explained({&better, &beside});
+  explained.add(better);
+  EXPECT_LT(explained.ownScore(beside), 0.4);
+  ScoredPose empty;
+  empty.score = 0.6;
+  ExplainedEdges nothing({&empty});
+  nothing.add(empty);
+  EXPECT_EQ(nothing.ownScore(empty), 0.6);
+}
+
+}  // namespace
+}  // namespace planar_bin_picking
