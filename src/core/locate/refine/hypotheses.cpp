@@ -43,6 +43,9 @@ constexpr double kOutlineWorse = 0.02;
 constexpr double kHopelessInField = -0.3;
 /// Inlier scores from which on a pose tells how parts lie: of lower ones many are none.
 constexpr double kTells = 0.7;
+/// Radii within which the centres of two poses are one place: a bar lies in a picture of bars in
+/// many ways along the edges of the others, and all but one of them are none.
+constexpr double kOnePlace = 0.5;
 /// What is decided of the others tells more of each.
 constexpr int kTiltRounds = 3;
 constexpr std::size_t kMostAligned = 8;  // near-symmetries of one pose, the best in the field: time
@@ -187,14 +190,37 @@ void comparePrint(const Aligner& aligner, ChosenPose* chosen) {
   aligner.alignNarrow(&chosen->pose);
 }
 
+/// Which poses tell how parts lie: of all about one place the best.
+std::vector<std::size_t> tellingOf(const Aligner& aligner, const std::vector<ChosenPose>& poses) {
+  std::vector<Eigen::Vector3d> centres;
+  for (const ChosenPose& chosen : poses) {
+    const PartModel& part = *aligner.outlineOf(chosen.pose).part;
+    centres.push_back(chosen.pose.T_camera_part * centreOf(part, chosen.pose.face).translation());
+  }
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const double score = poses[i].pose.inlier_score;
+    if (score < kTells) continue;
+    const double radius = kOnePlace * aligner.outlineOf(poses[i].pose).part->radius();
+    bool is_best = true;
+    for (std::size_t j = 0; j < poses.size() && is_best; ++j) {
+      const double other = poses[j].pose.inlier_score;
+      is_best = (other < score || (other == score && j >= i)) ||
+                (centres[j] - centres[i]).norm() > radius;
+    }
+    if (is_best) out.push_back(i);
+  }
+  return out;
+}
+
 /// How the parts of a picture lie, as far as is known.
 std::vector<SceneNormal> normalsOf(const std::vector<ChosenPose>& poses,
+                                   const std::vector<std::size_t>& telling,
                                    const std::vector<double>& variances,
                                    const std::vector<double>& odds) {
   std::vector<SceneNormal> out;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
+  for (const std::size_t i : telling) {
     const ChosenPose& chosen = poses[i];
-    if (chosen.pose.inlier_score < kTells) continue;
     const double sure = chosen.other_tilt ? 1.0 / (1.0 + std::exp(-odds[i])) : 1.0;
     out.push_back({normalOf(chosen.pose), variances[i], sure, i});
     if (chosen.other_tilt)
@@ -222,8 +248,9 @@ void decideTilts(const Aligner& aligner, std::vector<ChosenPose>* poses) {
     variances.push_back(0.5 * (covariance(3, 3) + covariance(4, 4)));
     odds.push_back(chosen.lead);
   }
+  const auto telling = tellingOf(aligner, *poses);
   for (int round = 0; round < kTiltRounds; ++round) {
-    const auto scene = normalsOf(*poses, variances, odds);
+    const auto scene = normalsOf(*poses, telling, variances, odds);
     for (std::size_t i = 0; i < poses->size(); ++i) {
       const ChosenPose& chosen = (*poses)[i];
       if (!chosen.other_tilt) continue;
