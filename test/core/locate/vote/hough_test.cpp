@@ -3,6 +3,7 @@
 #include "locate/vote/hough.h"
 
 #include "image/edges.h"
+#include "locate/vote/vote_planes.h"
 #include "part/pose_distance.h"
 #include "support/matchers.h"
 #include "support/plates.h"
@@ -39,6 +40,27 @@ double nearest(const std::vector<Candidate>& candidates, const PartModel& part,
 /// What the refinement must make up for: a quarter of a radius at the rim (a cell, a yaw step and
 /// half the step between two foreshortenings together), 3 % in distance.
 constexpr double kWithin = 0.25;
+
+// Neighbouring rows and planes share the empty cells between them.
+TEST(Hough, PointsOutOfThePictureGetNoVotes) {
+  Field field;
+  field.width = 21;
+  field.height = 13;
+  field.distance.assign(static_cast<std::size_t>(21 * 13 * kDirections), 0);  // edges everywhere
+  VotePlanes planes = sizePlanes(field, 1.0, 5.0);
+  fillPlanes(field, 1.0, 1, &planes);
+  const int right = planes.cols + planes.pad + kChunk - 1, below = planes.rows + planes.pad;
+  for (int direction = 0; direction < kDirections; ++direction) {
+    for (int y = -2 * planes.pad; y < 2 * below; ++y) {
+      for (int x = -2 * planes.pad; x < 2 * right; ++x) {
+        const std::size_t at = planes.offset(direction, x, y);
+        ASSERT_LT(at, planes.votes.size()) << direction << " " << x << " " << y;
+        const bool inside = x >= 0 && x < field.width && y >= 0 && y < field.height;
+        ASSERT_EQ(planes.votes[at], inside ? kMaxVote : 0) << direction << " " << x << " " << y;
+      }
+    }
+  }
+}
 
 TEST(Hough, UprightPartsAreAmongTheCandidates) {
   const auto part = makePart("bracket", bracketPlate());
