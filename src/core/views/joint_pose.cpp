@@ -37,8 +37,10 @@ constexpr double kOffsetSigma = 0.05e-3, kOffsetSpread = 0.03e-3;
 constexpr double kOffsetOpen = 1.0;  // radii: where a view cannot tell it
 /// A deburred edge is broken by some 0.15 mm, and seen anywhere on the break: the standard
 /// deviation of an even distribution. Within its plane a part lies in the middle between two
-/// opposite edges, each with its own light.
-constexpr double kBreakSigma = 0.15e-3 * 0.2887, kMiddleSigma = 0.7071 * kBreakSigma;
+/// opposite edges, each with its own light. In depth facePose is off by twice as much: a point of
+/// the break lies the deeper the less it is inside.
+constexpr double kBreakSigma = 0.15e-3 * 0.2887;
+constexpr double kMiddleSigma = 0.7071 * kBreakSigma, kHeightSigma = 2.0 * kBreakSigma;
 /// A fiftieth of a pixel over the whole outline is never beaten, whatever the edges say.
 constexpr double kFloorPx = 0.02;
 
@@ -99,7 +101,7 @@ Matrix6d leastCovariance(double radius, double depth, double focal_px) {
   const double in_pixels = kFloorPx * depth / (focal_px * radius);
   Vector6d out = Vector6d::Constant(in_pixels * in_pixels);
   out.head<2>().array() += std::pow(kMiddleSigma / radius, 2);
-  out(2) += std::pow(kBreakSigma / radius, 2);
+  out(2) += std::pow(kHeightSigma / radius, 2);
   return out.asDiagonal();
 }
 

@@ -54,7 +54,7 @@ struct JointPose {
 };
 
 /// T_first_centre of the face. The edges that are seen run down a broken edge, whose slope is 45
-/// degrees: they lie as far below the face as inside the drawn outline.
+/// degrees: in the mean of all they lie as far below the face as inside the drawn outline.
 Eigen::Isometry3d facePose(const JointState& state, Face face, double radius);
 
 /// Of facePose's xi, translation in radii, which follows the mean of the offsets.

@@ -114,11 +114,11 @@ TEST(JointPose, TheFaceLiesAboveItsBrokenEdges) {
 }
 
 /// Of robots, pixels and views that are as good as can be, the edge's break is left; of the middle
-/// between two edges half of its variance.
+/// between two edges half of its variance, of the face's height four times as much.
 TEST(JointPose, NothingIsBetterThanTheBreak) {
   const Matrix6d C = leastCovariance(0.05, 0.6, 4000.0);
   for (int i = 0; i < 2; ++i) EXPECT_NEAR(0.05 * std::sqrt(C(i, i)), 0.0306e-3, 0.0005e-3);
-  EXPECT_NEAR(0.05 * std::sqrt(C(2, 2)), 0.0433e-3, 0.0005e-3);
+  EXPECT_NEAR(0.05 * std::sqrt(C(2, 2)), 0.0866e-3, 0.0005e-3);
   for (int i = 3; i < 6; ++i) EXPECT_NEAR(std::sqrt(C(i, i)), 0.02 * 0.6 / (4000.0 * 0.05), 1e-9);
   const Matrix6d coarse = leastCovariance(0.05, 0.6, 400.0);
   EXPECT_NEAR(std::sqrt(coarse(5, 5)), 10.0 * std::sqrt(C(5, 5)), 1e-9);
