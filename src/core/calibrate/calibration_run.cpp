@@ -178,12 +178,15 @@ std::optional<Eigen::Isometry3d> CalibrationRun::next() {
   end_ = whyEnough();
   if (end_ != End::kNone) return std::nullopt;
   std::optional<Eigen::Isometry3d> move;
-  is_large_ = attempts_ > 0 && solution_;
+  is_large_ = false;
   way_.clear();
   if (attempts_ == 0) {
     move = T_base_start_;
   } else {
-    move = solution_ ? bestMove() : firstMove();
+    if (solution_) move = bestMove();
+    // Where the solution is still too vague for a large move, small ones go on.
+    is_large_ = move.has_value();
+    if (!move) move = firstMove();
   }
   if (!move) {
     end_ = End::kNoPose;

@@ -333,6 +333,20 @@ TEST_P(CalibrationRunTest, GivesUpWhereNothingIsReachable) {
   EXPECT_EQ(outcome.result.verdict, Verdict::kRefused);
 }
 
+/// After the first views of a noisy robot no large move may be sure to show the board.
+TEST(CalibrationRunNoise, SmallMovesGoOnWhereLargeOnesAreTooVague) {
+  RunWorld world(true, 26);
+  world.cell.robot_mm = 1.0;
+  world.cell.robot_deg = 0.1;
+  world.unreachable = 0.1;
+  world.failing = 0.02;
+  RunParams params = wideRun();
+  params.views_max = 8;
+  const RunOutcome outcome = world.run(params);
+  EXPECT_EQ(outcome.pictures, 8);
+  EXPECT_NE(outcome.result.verdict, Verdict::kRefused);
+}
+
 INSTANTIATE_TEST_SUITE_P(BothMountings, CalibrationRunTest, testing::Bool());
 
 TEST(CalibrationRunInput, IsChecked) {
