@@ -273,7 +273,6 @@ TEST(Print, DecidesBetweenNearSymmetriesWhereTheOutlineDoesNot) {
   }
 }
 
-
 /// One small bracket whose tilt is 10 degrees, either way, among others that are only told of.
 class DecideTilts : public testing::Test {
  protected:
