@@ -75,20 +75,6 @@ std::string writePart(const TempDir& folder, const HeapShape& shape) {
                           thickness + "], rpy_deg: [0, 0, 0]}\n");
 }
 
-/// As the simulated cell's node has it: the bin fills the picture.
-cell::Lens lensOf(double megapixels, const cell::Bin& bin) {
-  cell::Lens lens;
-  if (megapixels > 3.0) lens.width = 2448, lens.height = 2048;
-  const double top = kHeight - bin.height;
-  lens.fx =
-      std::min(lens.width * top / (1.12 * bin.length), lens.height * top / (1.12 * bin.width));
-  lens.fy = 0.9995 * lens.fx;
-  lens.cx = 0.5 * lens.width - 11.3;
-  lens.cy = 0.5 * lens.height + 7.6;
-  lens.d = {-0.092, 0.061, -2.8e-4, -3.1e-4, 0.0};
-  return lens;
-}
-
 /// Errors at the middle of the face that is up, in the order of kLimits.
 Errors errorsOf(const Eigen::Isometry3d& found, const Eigen::Isometry3d& truth, double z) {
   const Eigen::Vector3d face(0.0, 0.0, z), at = truth * face, off = found * face - at;
@@ -195,7 +181,8 @@ void run(const Options& options) {
       config.light = kLights[(s + h) % 3];
       config.material = kMetals[(s / 3 + h) % 3];
       config.seed = static_cast<std::uint64_t>(options.seed + 100 * h) + 1000 * s;
-      config.lens = lensOf(options.megapixels[(s + h) % options.megapixels.size()], config.bin);
+      config.lens = cell::lensOver(config.bin, kHeight,
+                                   options.megapixels[(s + h) % options.megapixels.size()]);
       tally.add(count(kind, part, config));
     }
     print(shape.name, tally);

@@ -45,7 +45,7 @@ class ViewedHeap {
     poured_ = cell::loadPartKind(file_);
     config_.light = kind.light;
     config_.counts = {20};
-    config_.lens = lensOf(config_.bin);
+    config_.lens = cell::lensOver(config_.bin, kHeight, kind.megapixels);
     cell_ = std::make_unique<cell::SimulatedCell>(config_, std::vector<cell::PartKind>{poured_});
     camera_ = std::make_unique<const Camera>(makeCamera(config_.lens, config_.lens.d));
   }
@@ -81,20 +81,6 @@ class ViewedHeap {
   static constexpr double kVisible = 0.85;  // parts that a robot would be sent to
   static constexpr std::size_t kPartsPerHeap = 4;
   static constexpr double kFalse = 0.02;  // metres off: another bench counts false detections
-
-  /// As the simulated cell's node has it: the bin fills the picture.
-  cell::Lens lensOf(const cell::Bin& bin) const {
-    cell::Lens lens;
-    if (kind_.megapixels > 3.0) lens.width = 2448, lens.height = 2048;
-    const double top = kHeight - bin.height;
-    lens.fx =
-        std::min(lens.width * top / (1.12 * bin.length), lens.height * top / (1.12 * bin.width));
-    lens.fy = 0.9995 * lens.fx;
-    lens.cx = 0.5 * lens.width - 11.3;
-    lens.cy = 0.5 * lens.height + 7.6;
-    lens.d = {-0.092, 0.061, -2.8e-4, -3.1e-4, 0.0};
-    return lens;
-  }
 
   NextViewLimits limits() const {
     NextViewLimits limits;

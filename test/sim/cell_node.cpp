@@ -76,21 +76,6 @@ std::vector<std::string> words(const std::string& text) {
   return list;
 }
 
-/// A camera whose floor fills the picture from that height.
-Lens makeLens(double megapixels, const Bin& bin, double height) {
-  Lens lens;
-  if (megapixels > 3.0) lens.width = 2448, lens.height = 2048;
-  constexpr double kMargin = 1.12;
-  const double at_top = height - bin.height;  // the upper rim must be in the picture, too
-  lens.fx = std::min(lens.width * at_top / (kMargin * bin.length),
-                     lens.height * at_top / (kMargin * bin.width));
-  lens.fy = 0.9995 * lens.fx;
-  lens.cx = 0.5 * lens.width - 11.3;
-  lens.cy = 0.5 * lens.height + 7.6;
-  lens.d = {-0.092, 0.061, -2.8e-4, -3.1e-4, 0.0};
-  return lens;
-}
-
 std::vector<PartKind> loadKinds() {
   const auto folder = param<std::string>("parts_folder", "");
   std::vector<PartKind> kinds;
@@ -106,7 +91,7 @@ CellConfig loadConfig(double camera_height) {
   config.light = param<std::string>("light", "diffuse");
   config.material = param<std::string>("material", "rolled");
   config.seed = static_cast<std::uint64_t>(param<int>("seed", 1));
-  config.lens = makeLens(param<double>("megapixels", 1.3), config.bin, camera_height);
+  config.lens = lensOver(config.bin, camera_height, param<double>("megapixels", 1.3));
   return config;
 }
 

@@ -107,6 +107,20 @@ const char* nameOf(PickResult result) {
   return "";
 }
 
+Lens lensOver(const Bin& bin, double height, double megapixels) {
+  Lens lens;
+  if (megapixels > 3.0) lens.width = 2448, lens.height = 2048;
+  constexpr double kMargin = 1.12;
+  const double at_top = height - bin.height;
+  lens.fx = std::min(lens.width * at_top / (kMargin * bin.length),
+                     lens.height * at_top / (kMargin * bin.width));
+  lens.fy = 0.9995 * lens.fx;
+  lens.cx = 0.5 * lens.width - 11.3;
+  lens.cy = 0.5 * lens.height + 7.6;
+  lens.d = {-0.092, 0.061, -2.8e-4, -3.1e-4, 0.0};
+  return lens;
+}
+
 SimulatedCell::SimulatedCell(const CellConfig& config, std::vector<PartKind> kinds)
     : config_(config),
       kinds_(std::move(kinds)),

@@ -64,6 +64,10 @@ struct TruePart {
   Eigen::Isometry3d T_base_part = Eigen::Isometry3d::Identity();
 };
 
+/// Of a camera so high over the bin's floor that looks straight down: the bin's upper rim fills the
+/// picture, 1280 x 1024 pixels or, from 3 megapixels on, 2448 x 2048.
+Lens lensOver(const Bin& bin, double height, double megapixels);
+
 struct CellConfig {
   Bin bin;
   Lens lens;

@@ -77,7 +77,7 @@ struct RefinedPose {
   double residual_px = 0.0;  ///< robust spread of edge minus outline along the outline's normal
 };
 
-/// A point of a posed outline, and how well its edge was found there.
+/// A point of a posed outline in the image, and how well its edge was found there.
 struct OutlineEvidence {
   Eigen::Vector2f pixel, normal;  ///< in the image; the normal points out of the material
   float inlier = 0.0f;            ///< 0..1, see locate/evidence/inlier_score.h
@@ -89,7 +89,7 @@ struct ScoredPose : RefinedPose {
   double score = 0.0;             ///< 0..1, see locate/judge/score.h
   double print = 0.0;             ///< share of the print in view that is seen, 0..1
   double visible_fraction = 0.0;  ///< share of the visible face's area that nothing covers, 0..1
-  std::vector<OutlineEvidence> outline;  ///< contour and holes
+  std::vector<OutlineEvidence> outline;  ///< contour and holes, as far as they lie in the image
   std::vector<int> covered;  ///< the cells of PartModel::faceGrid() that something covers
 };
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 namespace planar_bin_picking {
@@ -13,25 +12,6 @@ inline double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return values[values.size() / 2];
-}
-
-/// The value at which half of the weight lies below and half above; of none 0.
-/// @param weights  as many as values, not negative
-inline double weightedMedian(const std::vector<double>& values,
-                             const std::vector<double>& weights) {
-  std::vector<std::pair<double, double>> sorted;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    sorted.emplace_back(values[i], weights[i]);
-    sum += weights[i];
-  }
-  std::sort(sorted.begin(), sorted.end());
-  double below = 0.0;
-  for (const auto& [value, weight] : sorted) {
-    below += weight;
-    if (below > 0.5 * sum) return value;
-  }
-  return sorted.empty() ? 0.0 : sorted.back().first;
 }
 
 /// Variance over median of a Gaussian's square, and of the sum of two such squares.

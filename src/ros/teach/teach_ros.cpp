@@ -33,6 +33,19 @@ std::string requiredParam(const ros::NodeHandle& pnh, const std::string& key,
   return value;
 }
 
+/// Runs it for its message; what it refuses is an answer, too.
+template <class Act, class Response>
+void answer(Act&& act, Response* response) {
+  try {
+    response->message = act();
+    response->success = true;
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM(error.what());
+    response->message = error.what();
+    response->success = false;
+  }
+}
+
 }  // namespace
 
 TeachRos::TeachRos(const ros::NodeHandle&, const ros::NodeHandle& pnh)
@@ -157,29 +170,18 @@ void TeachRos::moved(const Feedback& feedback) {
 }
 
 bool TeachRos::serveSave(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  try {
-    response.message = taught_.save();
-    response.success = true;
-  } catch (const std::exception& error) {
-    ROS_ERROR_STREAM(error.what());
-    response.message = error.what();
-    response.success = false;
-  }
+  answer([this] { return taught_.save(); }, &response);
   show(response.message);
   return true;
 }
 
 bool TeachRos::serveRename(planar_bin_picking::RenamePick::Request& request,
                            planar_bin_picking::RenamePick::Response& response) {
-  try {
+  const auto rename = [&] {
     taught_.rename(request.name, request.new_name);
-    response.message = request.name + " is called " + request.new_name + " now";
-    response.success = true;
-  } catch (const std::exception& error) {
-    ROS_ERROR_STREAM(error.what());
-    response.message = error.what();
-    response.success = false;
-  }
+    return request.name + " is called " + request.new_name + " now";
+  };
+  answer(rename, &response);
   show(response.message);
   return true;
 }

@@ -17,7 +17,8 @@ namespace planar_bin_picking {
 
 class ExplainedEdges {
  public:
-  /// @param poses  all that will be added or asked about: they bound the image
+  /// @param poses  all that will be added or asked about: their outlines bound the image
+  /// Memory: a byte for each 3 x 3 pixels.
   explicit ExplainedEdges(const std::vector<const ScoredPose*>& poses);
 
   /// Its outline is taken for what it is.

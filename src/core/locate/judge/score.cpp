@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "base/polygon.h"
+#include "image/profile.h"
 #include "locate/evidence/hole_evidence.h"
 #include "locate/evidence/inlier_score.h"
 #include "locate/evidence/print_evidence.h"
@@ -195,7 +196,8 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
         sum += weight * inlier;
         weights += weight;
         PosedPoint at;
-        if (posePoint(camera, points[k], part.radius(), T, &at))
+        if (posePoint(camera, points[k], part.radius(), T, &at) &&
+            fitsInside(edges.image, at.pixel, 0.0))
           out[i].outline.push_back({at.pixel.cast<float>(), at.normal.cast<float>(),
                                     static_cast<float>(inlier), static_cast<float>(weight)});
       }

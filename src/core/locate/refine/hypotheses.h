@@ -7,7 +7,7 @@
 /// An outline looks nearly the same tilted the other way about the line of sight ([4]), turned or
 /// flipped into a near-symmetry, and, where a print alone tells, into a symmetry. Each such pose is
 /// a hypothesis, aligned by itself. One measure compares any two: the logarithm of the odds, the
-/// sum of what outline, side wall, print and the plane of the scene say.
+/// sum of what outline, side wall, print and the way that the others lie say.
 
 #include "locate/refine/aligner.h"
 

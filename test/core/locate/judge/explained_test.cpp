@@ -20,30 +20,19 @@ ScoredPose squareAt(float x, float y, float left, float others) {
   return out;
 }
 
-TEST(ExplainedEdges, AnEdgeOfANeighbourConfirmsNothing) {
-  const ScoredPose better = squareAt(50, 50, 1.0f, 1.0f);
-  const ScoredPose beside =
-      squareAt(152, 50, 1.0f, 0.2f);  // its left side is the other's right one
-  ExplainedEdges explained({&better, &beside});
-  EXPECT_NEAR(explained.ownScore(beside), 0.4, 1e-6);
+/// Own score of a square whose left side is confirmed, and the others to 0.2: alone 0.4.
+double ownScoreAt(float x, float y) {
+  const ScoredPose better = squareAt(50, 50, 1.0f, 1.0f), pose = squareAt(x, y, 1.0f, 0.2f);
+  ExplainedEdges explained({&better, &pose});
+  EXPECT_NEAR(explained.ownScore(pose), 0.4, 1e-6);
   explained.add(better);
-  EXPECT_NEAR(explained.ownScore(beside), 0.2, 0.02);
+  return explained.ownScore(pose);
 }
 
-TEST(ExplainedEdges, AnEdgeOfTheSameSideDoes) {
-  const ScoredPose better = squareAt(50, 50, 1.0f, 1.0f);
-  const ScoredPose same = squareAt(51, 51, 1.0f, 0.2f);
-  ExplainedEdges explained({&better, &same});
-  explained.add(better);
-  EXPECT_NEAR(explained.ownScore(same), 0.4, 0.01);
-}
-
-TEST(ExplainedEdges, AnEdgeSixPixelsOffIsAnother) {
-  const ScoredPose better = squareAt(50, 50, 1.0f, 1.0f);
-  const ScoredPose apart = squareAt(157, 50, 1.0f, 0.2f);
-  ExplainedEdges explained({&better, &apart});
-  explained.add(better);
-  EXPECT_NEAR(explained.ownScore(apart), 0.4, 1e-6);
+TEST(ExplainedEdges, OnlyAnEdgeFromTheOtherSideConfirmsNothing) {
+  EXPECT_NEAR(ownScoreAt(152, 50), 0.2, 0.02);  // its left side is the other's right one
+  EXPECT_NEAR(ownScoreAt(51, 51), 0.4, 0.01);   // the same sides
+  EXPECT_NEAR(ownScoreAt(157, 50), 0.4, 1e-6);  // an edge six pixels off is another
 }
 
 TEST(ExplainedEdges, PointsCountByTheirWeight) {

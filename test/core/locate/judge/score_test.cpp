@@ -61,6 +61,22 @@ TEST(Score, TheScoreIsTheMeanOfItsPoints) {
   EXPECT_LT(inside.normalized().dot(first.normal.cast<double>()), -0.9);
 }
 
+/// Beyond it a lens model says anything, a million pixels and no number.
+TEST(Score, TheOutlineEndsWhereTheImageEnds) {
+  const auto part = makePart("bracket", bracketPlate());
+  sim::Lie lie = kLie;
+  lie.x_mm += 180.0;
+  const auto pose = scored(sceneOf(bracketPlate(), lie), part, sim::poseOf(lie));
+  const auto whole = scored(sceneOf(bracketPlate(), kLie), part, sim::poseOf(kLie));
+  EXPECT_GT(pose.outline.size(), 0u);
+  EXPECT_LT(pose.outline.size(), whole.outline.size());
+  for (const OutlineEvidence& point : pose.outline) {
+    EXPECT_GE(point.pixel.minCoeff(), 0.0f);
+    EXPECT_LT(point.pixel.x(), kPinhole.width);
+    EXPECT_LT(point.pixel.y(), kPinhole.height);
+  }
+}
+
 TEST(Score, ItFallsAsThePoseMovesAway) {
   const auto part = makePart("bracket", bracketPlate());
   const sim::Scene scene = sceneOf(bracketPlate(), kLie);
