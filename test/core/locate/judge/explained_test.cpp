@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/judge/explained.h"
 
+#include "support/plates.h"
+
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace planar_bin_picking {
 namespace {
@@ -33,6 +37,47 @@ TEST(ExplainedEdges, OnlyAnEdgeFromTheOtherSideConfirmsNothing) {
   EXPECT_NEAR(ownScoreAt(152, 50), 0.2, 0.02);  // its left side is the other's right one
   EXPECT_NEAR(ownScoreAt(51, 51), 0.4, 0.01);   // the same sides
   EXPECT_NEAR(ownScoreAt(157, 50), 0.4, 1e-6);  // an edge six pixels off is another
+}
+
+/// Whether an edge at (50, 50), whose part lies to its left, explains this one; a point far off is
+/// the pose's own.
+bool explains(float x, float y, float normal_deg) {
+  const float angle = normal_deg * static_cast<float>(kDegrees);
+  ScoredPose better, pose;
+  better.outline = {{{50.0f, 50.0f}, {1.0f, 0.0f}, 1.0f, 1.0f}};
+  pose.outline = {{{x, y}, {std::cos(angle), std::sin(angle)}, 1.0f, 1.0f},
+                  {{200.0f, 200.0f}, {1.0f, 0.0f}, 0.0f, 1.0f}};
+  ExplainedEdges explained({&better, &pose});
+  explained.add(better);
+  return explained.ownScore(pose) < 0.25;
+}
+
+TEST(ExplainedEdges, AnEdgeIsTheSameToThreePixelsAndSomeTurn) {
+  for (const float off : {-3.0f, -1.5f, 0.0f, 1.5f, 3.0f}) {
+    EXPECT_TRUE(explains(50.0f + off, 50.0f, 180.0f)) << off;
+    EXPECT_TRUE(explains(50.0f, 50.0f + off, 180.0f)) << off;
+  }
+  for (const float far : {-7.0f, 7.0f}) {
+    EXPECT_FALSE(explains(50.0f + far, 50.0f, 180.0f)) << far;
+    EXPECT_FALSE(explains(50.0f, 50.0f + far, 180.0f)) << far;
+  }
+  for (const float turn : {-60.0f, -40.0f, 40.0f, 60.0f})
+    EXPECT_TRUE(explains(50.0f, 50.0f, 180.0f + turn)) << turn;
+  for (const float turn : {-90.0f, -75.0f, 75.0f, 90.0f, 180.0f})
+    EXPECT_FALSE(explains(50.0f, 50.0f, 180.0f + turn)) << turn;
+}
+
+TEST(ExplainedEdges, ATenthOfTheWeightIsEnoughToJudgeBy) {
+  for (const float share : {0.05f, 0.15f}) {
+    ScoredPose better, pose;
+    pose.score = 0.9;
+    better.outline = {{{50.0f, 50.0f}, {1.0f, 0.0f}, 1.0f, 1.0f}};
+    pose.outline = {{{50.0f, 50.0f}, {-1.0f, 0.0f}, 1.0f, 10.0f * (1.0f - share)},
+                    {{200.0f, 200.0f}, {1.0f, 0.0f}, 0.2f, 10.0f * share}};
+    ExplainedEdges explained({&better, &pose});
+    explained.add(better);
+    EXPECT_NEAR(explained.ownScore(pose), share < 0.1f ? 0.9 : 0.2, 1e-6);
+  }
 }
 
 TEST(ExplainedEdges, PointsCountByTheirWeight) {
