@@ -6,6 +6,8 @@
 /// correct detections, the mean squared error normalised by its covariance (1 per dimension is
 /// honest), the mean absolute error of the visible fraction, and precision and recall by threshold.
 
+#include "reliability.h"
+
 #include "planar_bin_picking/image/camera_file.h"
 #include "planar_bin_picking/locate/locator.h"
 
@@ -184,7 +186,7 @@ void print(const Sums& sums) {
   }
   std::printf("\nvisible fraction: mean absolute error %.3f\n\n", sums.visible / sums.correct);
   std::printf("| threshold | precision | recall of pickable parts |\n|---|---|---|\n");
-  for (double threshold = 0.5; threshold < 0.96; threshold += 0.05) {
+  for (double threshold = 0.4; threshold < 0.96; threshold += 0.05) {
     int all = 0, right = 0;
     for (const auto& [score, correct] : sums.scores) {
       if (score < threshold) continue;
@@ -196,6 +198,7 @@ void print(const Sums& sums) {
     std::printf("| %.2f | %.3f | %.3f |\n", threshold, right / std::max(1.0, 1.0 * all),
                 static_cast<double>(found) / std::max(1, sums.pickable));
   }
+  printReliability(sums.scores);
 }
 
 int run(std::vector<std::string> folders) {

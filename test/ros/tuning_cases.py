@@ -32,7 +32,7 @@ class TuningCases:
         tuning = self.tuning("max_parts", "score_min", "score_threshold", "bin_max_z")
         start = tuning.get_configuration()
         self.assertEqual((start["score_threshold"], start["failures_max"], start["bin_min_x"], start["refused"]),
-                         (0.65, 2, 0.46, ""))
+                         (0.4, 2, 0.46, ""))
         ranges = {one["name"]: (one["min"], one["max"]) for one in tuning.get_parameter_descriptions()}
         self.assertEqual(ranges["score_threshold"], (0.0, 1.0))
         everything = self.call("op", Status.OK, part="bracket")

@@ -33,6 +33,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -84,9 +85,22 @@ struct OutlineEvidence {
   float weight = 0.0f;            ///< of the point in the score
 };
 
+/// What speaks for and against a pose.
+struct PoseEvidence {
+  /// 0..1: mean inlier score of outer contour, holes and print, less what contradicts the pose
+  /// (locate/judge/score.h).
+  double edges = 0.0;
+  std::optional<double> holes;           ///< 0..1: of those that the picture resolves
+  std::optional<double> beyond_corners;  ///< 0..1: how far edges go on beyond the part's corners
+  /// How far the part could slide within its own plane without the picture telling: the largest
+  /// standard deviation, in radii of the part and in pixels.
+  double slide_radii = 0.0, slide_px = 0.0;
+};
+
 /// A refined pose with the evidence for and against it.
 struct ScoredPose : RefinedPose {
-  double score = 0.0;             ///< 0..1, see locate/judge/score.h
+  double score = 0.0;  ///< 0..1: how probable it is that the pose is right, locate/judge/score.h
+  PoseEvidence evidence;
   double print = 0.0;             ///< share of the print in view that is seen, 0..1
   double visible_fraction = 0.0;  ///< share of the visible face's area that nothing covers, 0..1
   std::vector<OutlineEvidence> outline;  ///< contour and holes, as far as they lie in the image

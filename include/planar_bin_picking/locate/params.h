@@ -119,7 +119,7 @@ struct PlaneParams {
 
 /// Stage 4, score.h.
 struct ScoreParams {
-  double threshold = 0.65;        ///< detections below are not returned
+  double threshold = 0.4;         ///< less probable detections are not returned
   double reach_px = 1.5;          ///< an edge this far off the outline is no inlier
   int points = 256;               ///< along each of outer contour, holes, print
   double visible_reach_px = 2.5;  ///< the same, for what counts as seen

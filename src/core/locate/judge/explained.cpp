@@ -56,7 +56,7 @@ double ExplainedEdges::ownScore(const ScoredPose& pose) const {
     own += point.weight * point.inlier;
     own_weights += point.weight;
   }
-  return own_weights > kHardlyAny * all_weights ? own / own_weights : pose.score;
+  return own_weights > kHardlyAny * all_weights ? own / own_weights : pose.evidence.edges;
 }
 
 }  // namespace planar_bin_picking

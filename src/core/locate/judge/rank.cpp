@@ -15,8 +15,8 @@ constexpr std::size_t kStride = 4;  // of the outline's samples: overlap needs n
 constexpr int kGrid = 16;  // points to a side by which an overlap is estimated: to some per cent
 /// Share of a print from which on it is surely seen: chance confirms 0.1 to 0.3 (print_evidence.h).
 constexpr double kPrintSeen = 0.6;
-/// Share of the score that a printed pose must have of the one it replaces: a print that is only
-/// just seen lowers its score, a mean, by up to a fifth.
+/// Share of the evidence that a printed pose must have of the one it replaces: a print that is only
+/// just seen lowers it, a mean, by up to a fifth.
 constexpr double kNearly = 0.75;
 
 /// Inlier score of what better poses leave unexplained: combs in the gaps of combs have 0.06 to
@@ -73,8 +73,8 @@ std::vector<const ScoredPose*> withoutUnprinted(
     const bool outdone = !has_print && !printed.empty() && [&] {
       const Mask mask = maskOf(*parts[s->part], *s);
       return std::any_of(printed.begin(), printed.end(), [&](const auto& p) {
-        return p.first->score > kNearly * s->score && overlap(mask, p.second) > overlap_max &&
-               overlap(p.second, mask) > overlap_max;
+        return p.first->evidence.edges > kNearly * s->evidence.edges &&
+               overlap(mask, p.second) > overlap_max && overlap(p.second, mask) > overlap_max;
       });
     }();
     if (!outdone) out.push_back(s);
@@ -93,8 +93,9 @@ std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
   }
   order = withoutUnprinted(order, parts, params.overlap_max);
   // What lies free is picked first: a covered part may score high on what is left of it.
+  // The score, a probability, is near 1 for most of them: the better confirmed ones first.
   const auto merit = [](const ScoredPose* s) {
-    return s->score * s->visible_fraction * s->visible_fraction;
+    return s->evidence.edges * s->visible_fraction * s->visible_fraction;
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](const ScoredPose* a, const ScoredPose* b) { return merit(a) > merit(b); });

@@ -5,11 +5,13 @@
 #include "base/parallel.h"
 #include "base/polygon.h"
 #include "image/profile.h"
+#include "locate/evidence/corner_evidence.h"
 #include "locate/evidence/hole_evidence.h"
 #include "locate/evidence/inlier_score.h"
 #include "locate/evidence/print_evidence.h"
 #include "locate/judge/flat_face.h"
 #include "locate/judge/occlusion.h"
+#include "locate/judge/probability.h"
 #include "part/outline_view.h"
 
 #include <algorithm>
@@ -37,6 +39,7 @@ struct Groups {
   std::array<double, 3> length{};                 // metres
   std::vector<Hole> holes;
   std::vector<Eigen::Vector2d> middles;  // of the holes
+  std::vector<SideEnd> ends;
 };
 
 /// Metres.
@@ -60,6 +63,7 @@ Groups groupsOf(const PartModel& part, int count) {
     out.middles.push_back(box.center());
     out.holes.push_back({i, widthOf(loops[i]), localPoints(part, kHolePoints, of_it)});
   }
+  out.ends = sideEndsOf(part);
   return out;
 }
 
@@ -164,6 +168,85 @@ double extraHoleFactor(const PartModel& part, const Groups& group, const EdgeMap
   return (1.0 - hole) * (1.0 - kForeignEdges * foreignEdges(grid, flat, covered));
 }
 
+/// What outer contour and holes say.
+struct ContourEvidence {
+  double sum = 0.0, weights = 0.0;            // of inlier scores
+  double hole_sum = 0.0, hole_weights = 0.0;  // of those on holes
+  std::vector<OutlinePiece> pieces;
+  std::vector<OutlineEvidence> outline;  // in the image
+};
+
+ContourEvidence contourEvidence(const EdgeMap& edges, const Camera& camera, const PartModel& part,
+                                const Groups& group, const PosedPart& posed,
+                                const ScoreParams& params) {
+  ContourEvidence out;
+  for (const auto kind : {LoopKind::kOuter, LoopKind::kHole}) {
+    auto points = group.points[static_cast<int>(kind)];
+    if (points.empty()) continue;
+    moveInward(posed.edge_offset, &points);
+    std::vector<EdgeHit> hits;
+    findHits(edges, camera, points, posed.solid, posed.T_camera_centre, kReach, &hits);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double weight = weightOf(group, part.outline()[points[k].index].loop,
+                                     posed.px_per_radius / part.radius()) /
+                            static_cast<double>(points.size());
+      const double inlier = inlierScore(hits[k], params.reach_px);
+      out.sum += weight * inlier;
+      out.weights += weight;
+      if (kind == LoopKind::kHole) {
+        out.hole_sum += weight * inlier;
+        out.hole_weights += weight;
+      }
+      PosedPoint at;
+      if (posePoint(camera, points[k], part.radius(), posed.T_camera_centre, &at) &&
+          fitsInside(edges.image, at.pixel, 0.0))
+        out.outline.push_back({at.pixel.cast<float>(), at.normal.cast<float>(),
+                               static_cast<float>(inlier), static_cast<float>(weight)});
+    }
+    addPieces(part, points, group.length[static_cast<int>(kind)], hits, params.visible_reach_px,
+              &out.pieces);
+  }
+  return out;
+}
+
+ScoredPose scorePose(const EdgeMap& edges, const Camera& camera, const PartModel& part,
+                     const Groups& group, const RefinedPose& pose, const ScoreParams& params) {
+  constexpr double kResolved = 0.02;  // weight of the holes, 1 if the picture resolves all
+  ScoredPose out;
+  static_cast<RefinedPose&>(out) = pose;
+  const Eigen::Isometry3d T = pose.T_camera_part * centreOf(part, pose.face);
+  const double px_per_radius =
+      part.radius() * camera.model().fx / T.translation().z() * std::abs(T.linear()(2, 2));
+  const PosedPart posed{solidOf(part, pose.face), T, pose.edge_offset / part.radius(),
+                        px_per_radius};
+  ContourEvidence contour = contourEvidence(edges, camera, part, group, posed, params);
+  const FaceGrid& grid = part.faceGrid();
+  out.covered =
+      findOcclusion(grid, edges, camera, pose.T_camera_part, part.faceZ(pose.face), contour.pieces);
+  out.visible_fraction =
+      1.0 - static_cast<double>(out.covered.size()) / static_cast<double>(grid.cells().size());
+  const auto print = uncovered(part, pose.face, group, out.covered);
+  if (!print.empty()) {
+    out.print = printScore(edges, camera, print, part.radius(), T);
+    contour.sum += out.print;
+    contour.weights += 1.0;
+  }
+  out.outline = std::move(contour.outline);
+  PoseEvidence& evidence = out.evidence;
+  evidence.edges = contour.sum / contour.weights;
+  if (contour.hole_weights > kResolved) evidence.holes = contour.hole_sum / contour.hole_weights;
+  evidence.slide_radii = sigmaInPlane(pose) / part.radius();
+  evidence.slide_px = px_per_radius * evidence.slide_radii;
+  out.score = probabilityRight(evidence);
+  // Time: what follows only lowers it, and below the threshold a pose is not returned anyway.
+  if (out.score < params.threshold) return out;
+  evidence.beyond_corners = edgesBeyondCorners(edges, camera, group.ends, posed, params.reach_px);
+  evidence.edges *= 1.0 - provenWrong(part, group.holes, edges, camera, pose, contour.pieces);
+  evidence.edges *= extraHoleFactor(part, group, edges, camera, pose, out.covered);
+  out.score = probabilityRight(evidence);
+  return out;
+}
+
 }  // namespace
 
 std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
@@ -174,52 +257,8 @@ std::vector<ScoredPose> scorePoses(const EdgeMap& edges, const Camera& camera,
   for (const auto& part : parts) groups.push_back(groupsOf(*part, params.points));
   std::vector<ScoredPose> out(refined.size());
   parallelFor(static_cast<int>(refined.size()), threads, [&](int i) {
-    const RefinedPose& r = refined[i];
-    const auto& part = *parts[r.part];
-    static_cast<RefinedPose&>(out[i]) = r;
-    const Eigen::Isometry3d T = r.T_camera_part * centreOf(part, r.face);
-    const Groups& group = groups[r.part];
-    const double px_per_metre =
-        camera.model().fx / T.translation().z() * std::abs(T.linear()(2, 2));
-    double sum = 0.0, weights = 0.0;
-    std::vector<OutlinePiece> pieces;
-    for (const auto kind : {LoopKind::kOuter, LoopKind::kHole}) {
-      auto points = group.points[static_cast<int>(kind)];
-      if (points.empty()) continue;
-      moveInward(r.edge_offset / part.radius(), &points);
-      std::vector<EdgeHit> hits;
-      findHits(edges, camera, points, solidOf(part, r.face), T, kReach, &hits);
-      for (std::size_t k = 0; k < points.size(); ++k) {
-        const double weight = weightOf(group, part.outline()[points[k].index].loop, px_per_metre) /
-                              static_cast<double>(points.size());
-        const double inlier = inlierScore(hits[k], params.reach_px);
-        sum += weight * inlier;
-        weights += weight;
-        PosedPoint at;
-        if (posePoint(camera, points[k], part.radius(), T, &at) &&
-            fitsInside(edges.image, at.pixel, 0.0))
-          out[i].outline.push_back({at.pixel.cast<float>(), at.normal.cast<float>(),
-                                    static_cast<float>(inlier), static_cast<float>(weight)});
-      }
-      addPieces(part, points, group.length[static_cast<int>(kind)], hits, params.visible_reach_px,
-                &pieces);
-    }
-    const FaceGrid& grid = part.faceGrid();
-    out[i].covered =
-        findOcclusion(grid, edges, camera, r.T_camera_part, part.faceZ(r.face), pieces);
-    out[i].visible_fraction =
-        1.0 - static_cast<double>(out[i].covered.size()) / static_cast<double>(grid.cells().size());
-    const auto print = uncovered(part, r.face, group, out[i].covered);
-    if (!print.empty()) {
-      out[i].print = printScore(edges, camera, print, part.radius(), T);
-      sum += out[i].print;
-      weights += 1.0;
-    }
-    out[i].score = sum / weights;
-    // Time: below the threshold a pose is not returned anyway.
-    if (out[i].score < params.threshold) return;
-    out[i].score *= 1.0 - provenWrong(part, group.holes, edges, camera, r, pieces);
-    out[i].score *= extraHoleFactor(part, group, edges, camera, r, out[i].covered);
+    const std::size_t k = refined[i].part;
+    out[i] = scorePose(edges, camera, *parts[k], groups[k], refined[i], params);
   });
   return out;
 }

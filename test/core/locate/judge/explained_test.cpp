@@ -70,7 +70,7 @@ TEST(ExplainedEdges, AnEdgeIsTheSameToThreePixelsAndSomeTurn) {
 TEST(ExplainedEdges, ATenthOfTheWeightIsEnoughToJudgeBy) {
   for (const float share : {0.05f, 0.15f}) {
     ScoredPose better, pose;
-    pose.score = 0.9;
+    pose.evidence.edges = 0.9;
     better.outline = {{{50.0f, 50.0f}, {1.0f, 0.0f}, 1.0f, 1.0f}};
     pose.outline = {{{50.0f, 50.0f}, {-1.0f, 0.0f}, 1.0f, 10.0f * (1.0f - share)},
                     {{200.0f, 200.0f}, {1.0f, 0.0f}, 0.2f, 10.0f * share}};
@@ -91,7 +91,7 @@ TEST(ExplainedEdges, PointsCountByTheirWeight) {
 TEST(ExplainedEdges, WhereHardlyAnyPointIsLeftTheScoreStands) {
   // Four neighbours and itself in between: a tile among tiles.
   ScoredPose middle = squareAt(200, 200, 1.0f, 0.8f);
-  middle.score = 0.77;
+  middle.evidence.edges = 0.77;
   const ScoredPose around[] = {squareAt(100, 200, 1, 1), squareAt(300, 200, 1, 1),
                                squareAt(200, 100, 1, 1), squareAt(200, 300, 1, 1)};
   ExplainedEdges explained({&middle, &around[0], &around[1], &around[2], &around[3]});
@@ -105,7 +105,7 @@ TEST(ExplainedEdges, OutlinesMayLeaveTheImageOrBeEmpty) {
   explained.add(better);
   EXPECT_LT(explained.ownScore(beside), 0.4);
   ScoredPose empty;
-  empty.score = 0.6;
+  empty.evidence.edges = 0.6;
   ExplainedEdges nothing({&empty});
   nothing.add(empty);
   EXPECT_EQ(nothing.ownScore(empty), 0.6);

@@ -17,6 +17,7 @@ ScoredPose scoredAt(double x_mm, double score, double visible = 1.0, std::size_t
   ScoredPose out;
   static_cast<RefinedPose&>(out) = refinedAt(sim::poseOf({x_mm, 0, 600}), part);
   out.score = score;
+  out.evidence.edges = score;
   out.visible_fraction = visible;
   return out;
 }
@@ -51,6 +52,16 @@ TEST(Rank, PartsOfAnotherKindTakeThePlaceToo) {
 
 TEST(Rank, NeighboursThatTouchBothStay) {
   EXPECT_EQ(rankPoses({scoredAt(0, 0.7), scoredAt(70, 0.8)}, kParts, 0.5, {}).size(), 2u);
+}
+
+/// Most probabilities are near 1.
+TEST(Rank, TheBetterConfirmedFirst) {
+  ScoredPose less = scoredAt(-200, 0.98), more = scoredAt(200, 0.97);
+  less.evidence.edges = 0.85;
+  more.evidence.edges = 0.95;
+  const auto out = rankPoses({less, more}, kParts, 0.5, {});
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0].score, 0.97);
 }
 
 TEST(Rank, APrintThatIsSeenIsEvidenceAgainstWhatHasNone) {
@@ -121,6 +132,7 @@ std::size_t leftOfTwo(double off_mm, double overlap_max, double z_mm = 600.0,
     static_cast<RefinedPose&>(poses[i]) =
         refinedAt(T_turn * sim::poseOf({i * off_mm - 50, -20, z_mm}));
     poses[i].score = 0.8 + 0.1 * i;
+    poses[i].evidence.edges = poses[i].score;
     poses[i].visible_fraction = 1.0;
   }
   RankParams params;
@@ -181,6 +193,7 @@ TEST(Rank, TheVisibleFaceCounts) {
     ScoredPose pose;
     static_cast<RefinedPose&>(pose) = refinedAt(sim::poseOf({x_mm, 0, z_mm, 0, 0, 0, front}));
     pose.score = score;
+    pose.evidence.edges = score;
     pose.visible_fraction = 1.0;
     return pose;
   };

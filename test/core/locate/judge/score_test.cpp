@@ -23,8 +23,8 @@ TEST(Score, ATruePoseScoresHigh) {
     sim::Lie lie = kLie;
     lie.front = front;
     const auto pose = scored(sceneOf(bracketPlate(), lie), part, sim::poseOf(lie));
-    EXPECT_GT(pose.score, 0.85);
-    EXPECT_LE(pose.score, 1.0);
+    EXPECT_GT(pose.evidence.edges, 0.85);
+    EXPECT_LE(pose.evidence.edges, 1.0);
     EXPECT_GT(pose.visible_fraction, 0.97);
     EXPECT_LE(pose.visible_fraction, 1.0);
   }
@@ -39,7 +39,8 @@ TEST(Score, TheScoreIsTheMeanOfItsPoints) {
     weights += point.weight;
     EXPECT_NEAR(point.normal.norm(), 1.0f, 1e-5f);
   }
-  EXPECT_NEAR(sum / weights, pose.score, 0.02);  // less what edges inside the outline take away
+  EXPECT_NEAR(sum / weights, pose.evidence.edges,
+              0.02);  // less what edges inside the outline take away
   // The first point lies where the lens puts it, its normal out of the material.
   const OutlineEvidence& first = pose.outline.front();
   const Camera camera = makeCamera(kPinhole);
@@ -83,7 +84,7 @@ TEST(Score, ItFallsAsThePoseMovesAway) {
   double last = 1.0;
   for (const double off_mm : {0.0, 0.3, 0.6, 2.0}) {
     const auto T = candidateNear(sim::poseOf(kLie), off_mm).T_camera_part;
-    const double score = scored(scene, part, T).score;
+    const double score = scored(scene, part, T).evidence.edges;
     EXPECT_LT(score, last) << off_mm;
     last = score;
   }
@@ -93,7 +94,7 @@ TEST(Score, ItFallsAsThePoseMovesAway) {
 TEST(Score, NothingSpeaksForAnEmptyPlace) {
   const auto part = makePart("bracket", bracketPlate());
   const auto pose = scored(sim::Scene(), part, sim::poseOf(kLie));
-  EXPECT_LT(pose.score, 0.1);
+  EXPECT_LT(pose.evidence.edges, 0.1);
   EXPECT_LT(pose.visible_fraction, 0.1);
 }
 
@@ -115,7 +116,7 @@ TEST(Score, AMissingHoleCostsMoreThanItsLength) {
   sim::Plate solid = bracketPlate();
   solid.holes.clear();
   // Holes count as much as the outer contour, see score.h.
-  EXPECT_LT(scored(sceneOf(solid, kLie), part, sim::poseOf(kLie)).score, 0.6);
+  EXPECT_LT(scored(sceneOf(solid, kLie), part, sim::poseOf(kLie)).evidence.edges, 0.6);
 }
 
 /// 600 mm off, 2.83 pixels to the millimetre.
@@ -125,7 +126,7 @@ TEST(Score, AHoleCountsByWhatThePictureResolvesOfIt) {
     plate.holes = {circle(-18, 6, radius_mm, true), circle(32, -19, radius_mm, true)};
     const auto part = makePart("bracket", plate);
     plate.holes.clear();
-    return scored(sceneOf(plate, kLie), part, sim::poseOf(kLie)).score;
+    return scored(sceneOf(plate, kLie), part, sim::poseOf(kLie)).evidence.edges;
   };
   EXPECT_GT(withoutHoles(0.5), 0.85);  // 2.8 pixels across: nothing can be seen of it
   EXPECT_GT(withoutHoles(1.0), 0.62);  // 5.7 pixels: 0.38 as much as one that is clearly seen
@@ -137,7 +138,7 @@ TEST(Score, AHoleThatIsElsewhereIsEvidenceAgainstAPose) {
   const auto part = makePart("bracket", bracketPlate());
   sim::Plate other = bracketPlate();
   other.holes[0] = circle(-18, 6, 4.5, true);
-  EXPECT_LT(scored(sceneOf(other, kLie), part, sim::poseOf(kLie)).score, 0.4);
+  EXPECT_LT(scored(sceneOf(other, kLie), part, sim::poseOf(kLie)).evidence.edges, 0.4);
 }
 
 TEST(Score, AHoleOfWhatLiesOverThePartProvesNothing) {
@@ -150,35 +151,37 @@ TEST(Score, AHoleOfWhatLiesOverThePartProvesNothing) {
     sim::Plate without = over;
     without.holes.clear();
     plain.plates.push_back({without, sim::poseOf(kLie), 100.0});
-    return scored(plain, part, sim::poseOf(kLie)).score;
+    return scored(plain, part, sim::poseOf(kLie)).evidence.edges;
   }();
   scene.plates.push_back({over, sim::poseOf(kLie), 100.0});
-  EXPECT_NEAR(scored(scene, part, sim::poseOf(kLie)).score, bare, 0.05);
+  EXPECT_NEAR(scored(scene, part, sim::poseOf(kLie)).evidence.edges, bare, 0.05);
 }
 
 TEST(Score, AHoleTooManyCosts) {
   const auto part = makePart("bracket", bracketPlate());
-  const double plain = scored(sceneOf(bracketPlate(), kLie), part, sim::poseOf(kLie)).score;
+  const double plain =
+      scored(sceneOf(bracketPlate(), kLie), part, sim::poseOf(kLie)).evidence.edges;
   sim::Plate drilled = bracketPlate();
   drilled.holes.push_back(circle(-18, -18, 5, true));
-  EXPECT_NEAR(scored(sceneOf(drilled, kLie), part, sim::poseOf(kLie)).score, 0.9 * plain, 0.02);
+  EXPECT_NEAR(scored(sceneOf(drilled, kLie), part, sim::poseOf(kLie)).evidence.edges, 0.9 * plain,
+              0.02);
   // A label there is none: what it shows is not what is seen through the holes.
   sim::Scene labelled = sceneOf(bracketPlate(), kLie);
   labelled.plates.push_back({{circle(-18, -18, 5), {}, {}, 0.0}, sim::poseOf(kLie), 240.0});
-  EXPECT_NEAR(scored(labelled, part, sim::poseOf(kLie)).score, plain, 0.02);
+  EXPECT_NEAR(scored(labelled, part, sim::poseOf(kLie)).evidence.edges, plain, 0.02);
 }
 
 TEST(Score, EdgesThatTheDrawingDoesNotHaveCost) {
   const auto part = makePart("bracket", bracketPlate());
   sim::Scene scene = sceneOf(bracketPlate(), kLie);
-  const double plain = scored(scene, part, sim::poseOf(kLie)).score;
+  const double plain = scored(scene, part, sim::poseOf(kLie)).evidence.edges;
   // Specks all over the face, too small to count as something that covers it.
   sim::Scene speckled = scene;
   for (int x = -28; x < 44; x += 5)
     for (int y = -26; y < -10; y += 5)
       speckled.plates.push_back(
           {{rectangle(x, y, x + 1, y + 1), {}, {}, 0.0}, sim::poseOf(kLie), 80.0});
-  const double cost = 1.0 - scored(speckled, part, sim::poseOf(kLie)).score / plain;
+  const double cost = 1.0 - scored(speckled, part, sim::poseOf(kLie)).evidence.edges / plain;
   EXPECT_GT(cost, 0.04);
   EXPECT_LT(cost, 0.3);
 }
@@ -205,7 +208,7 @@ TEST(Score, TheEdgeOffsetIsFollowed) {
   const Shot shot = shoot(sceneOf(smaller, kLie));
   RefinedPose pose = refinedAt(sim::poseOf(kLie));
   const auto score = [&] {
-    return scorePoses(shot.edges, shot.camera, {part}, {pose}, {}, 1).at(0).score;
+    return scorePoses(shot.edges, shot.camera, {part}, {pose}, {}, 1).at(0).evidence.edges;
   };
   const double without = score();
   pose.edge_offset = 0.4e-3;
@@ -222,7 +225,7 @@ TEST(Score, ANarrowHoleElsewhereProvesNothing) {
   const auto score = [&](double radius, double moved) {
     return scored(sceneOf(with(radius, moved), kLie), makePart("drilled", with(radius, 0.0)),
                   sim::poseOf(kLie))
-        .score;
+        .evidence.edges;
   };
   // 34 and 9 pixels across, 6 pixels off.
   EXPECT_LT(score(6.0, 2.0), 0.4 * score(6.0, 0.0));
@@ -240,7 +243,7 @@ TEST(Score, ABevelledHoleIsNoOtherHole) {
   const Shot shot = shoot(sceneOf(smaller, kLie));
   RefinedPose pose = refinedAt(sim::poseOf(kLie));
   pose.edge_offset = 1e-3 * offset_mm;
-  EXPECT_GT(scorePoses(shot.edges, shot.camera, {part}, {pose}, {}, 1).at(0).score, 0.8);
+  EXPECT_GT(scorePoses(shot.edges, shot.camera, {part}, {pose}, {}, 1).at(0).evidence.edges, 0.8);
 }
 
 }  // namespace

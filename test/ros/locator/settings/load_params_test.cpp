@@ -241,7 +241,7 @@ TEST(Settings, ChangeAsAWholeOrNotAtAll) {
 
 TEST(Settings, StandInTheCellsFileWhereTheyAreRead) {
   const auto values = yamlOf(loadSettings(emptyTree(), emptyTree(), binTree()));
-  EXPECT_EQ(values.at({"locator", "score", "threshold"}), "0.65");
+  EXPECT_EQ(values.at({"locator", "score", "threshold"}), "0.4");
   EXPECT_EQ(values.at({"pick", "failures_max"}), "2");
   EXPECT_EQ(values.at({"bin_min"}), "[-0.2, -0.1, 0.0]");
   EXPECT_EQ(values.at({"locator", "plane", "normal_z"}), "-1.0");
