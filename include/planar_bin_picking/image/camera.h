@@ -13,6 +13,35 @@
 
 namespace planar_bin_picking {
 
+/// The lens in plain numbers, for loops of which the compiler takes several points at once.
+struct Lens {
+  /// A pixel, and its derivatives by the ideal point: xy of its x by the point's y.
+  struct Pixel {
+    double x, y, xx, xy, yx, yy;
+  };
+  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;
+  double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0, k4 = 0.0, k5 = 0.0, k6 = 0.0;
+
+  Pixel distort(double x, double y) const {
+    const double r2 = x * x + y * y;
+    const double above = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    const double inv_below = 1.0 / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)));
+    const double radial = above * inv_below;
+    const double xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
+    const double yd = y * radial + 2.0 * p2 * x * y + p1 * (r2 + 2.0 * y * y);
+    const double above_r2 = k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3);
+    const double below_r2 = k4 + r2 * (2.0 * k5 + r2 * 3.0 * k6);
+    const double radial_r2 = (above_r2 - radial * below_r2) * inv_below;
+    const double mixed = 2.0 * (x * y * radial_r2 + p1 * x + p2 * y);
+    return {fx * xd + cx,
+            fy * yd + cy,
+            fx * (radial + 2.0 * x * x * radial_r2 + 2.0 * p1 * y + 6.0 * p2 * x),
+            fx * mixed,
+            fy * mixed,
+            fy * (radial + 2.0 * y * y * radial_r2 + 6.0 * p1 * y + 2.0 * p2 * x)};
+  }
+};
+
 class Camera {
  public:
   struct Model {
@@ -30,6 +59,7 @@ class Camera {
   explicit Camera(const Model& model);
 
   const Model& model() const { return model_; }
+  const Lens& lens() const { return lens_; }
 
   /// Ideal (undistorted) image-plane point x/z, y/z -> pixel.
   Eigen::Vector2d distort(const Eigen::Vector2d& p_ideal) const;
@@ -42,7 +72,7 @@ class Camera {
 
  private:
   Model model_;
-  std::array<double, 8> d_{};
+  Lens lens_;
 };
 
 /// The model, without distortion, of a camera matrix, row by row, as messages and files have it.

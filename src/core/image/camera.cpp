@@ -208,7 +208,8 @@ void checkLens(const Camera& camera) {
 
 Camera::Camera(const Model& model) : model_(model) {
   checkPinhole(model);
-  d_ = checkedCoefficients(model);
+  const auto [k1, k2, p1, p2, k3, k4, k5, k6] = checkedCoefficients(model);
+  lens_ = {model.fx, model.fy, model.cx, model.cy, k1, k2, p1, p2, k3, k4, k5, k6};
   checkLens(*this);
 }
 
@@ -239,23 +240,9 @@ Eigen::Vector2d Camera::distort(const Eigen::Vector2d& p_ideal) const {
 }
 
 Eigen::Vector2d Camera::distort(const Eigen::Vector2d& p_ideal, Eigen::Matrix2d* jacobian) const {
-  const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = d_;
-  const double x = p_ideal.x(), y = p_ideal.y(), r2 = p_ideal.squaredNorm();
-  const double above = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const double below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6));
-  const double radial = above / below;
-  const double xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
-  const double yd = y * radial + 2.0 * p2 * x * y + p1 * (r2 + 2.0 * y * y);
-  if (jacobian != nullptr) {
-    const double above_r2 = k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3);
-    const double below_r2 = k4 + r2 * (2.0 * k5 + r2 * 3.0 * k6);
-    const double radial_r2 = (above_r2 - radial * below_r2) / below;
-    const double mixed = 2.0 * (x * y * radial_r2 + p1 * x + p2 * y);
-    *jacobian << model_.fx * (radial + 2.0 * x * x * radial_r2 + 2.0 * p1 * y + 6.0 * p2 * x),
-        model_.fx * mixed, model_.fy * mixed,
-        model_.fy * (radial + 2.0 * y * y * radial_r2 + 6.0 * p1 * y + 2.0 * p2 * x);
-  }
-  return {model_.fx * xd + model_.cx, model_.fy * yd + model_.cy};
+  const Lens::Pixel pixel = lens_.distort(p_ideal.x(), p_ideal.y());
+  if (jacobian != nullptr) *jacobian << pixel.xx, pixel.xy, pixel.yx, pixel.yy;
+  return {pixel.x, pixel.y};
 }
 
 Eigen::Vector2d Camera::undistort(const Eigen::Vector2d& p_image) const {

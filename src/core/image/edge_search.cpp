@@ -11,7 +11,8 @@ namespace planar_bin_picking {
 namespace {
 
 constexpr int kTaps = EdgeSearch::kTaps;
-constexpr int kMaxReach = EdgeSearch::kMaxReach;
+constexpr int kLanes = EdgeSearch::kLanes;
+constexpr int kNoLevel = EdgeSearch::kNoLevel;
 constexpr float kAside = 1.0f;        // pixels between a pair's profiles and the point
 constexpr float kNoiseFactor = 4.0f;  // an edge on a profile is so many times the noise: as edgels
 // Like Eq. (10), an edge counts no more than this many times the noise: beyond a clear edge, being
@@ -24,7 +25,6 @@ constexpr float kSlopeOfStep = 0.5f;
 constexpr double kAlongPx = 5.0, kAlongCosine = 0.9;
 // A pair's profiles stand for so many pixels of the contour; noise that spans as many is one.
 constexpr double kPairPx = 3.0;
-constexpr int kNoLevel = -1;  // of a point whose profile leaves the image
 
 // Of the even filter: between sqrt(1/3) and 1 the energy odd^2 + even^2 has one peak, in the
 // middle, both of a blurred step and of a blurred line.
@@ -32,7 +32,17 @@ constexpr double kEven = 0.95;
 // Pixels that a profile stays off the image's border: a pair's distance, and interpolation.
 constexpr double kMargin = 2.0;
 
-using Profile = std::array<float, 2 * (kMaxReach + kTaps + 1) + 1>;
+/// Grey levels by place and lane.
+constexpr int kPlacesMost = 2 * EdgeSearch::kMaxReach + 3;
+using Places = std::array<float, kPlacesMost * kLanes>;
+using Profiles = std::array<float, (kPlacesMost + 2 * kTaps) * kLanes>;
+using FloatLanes = std::array<float, kLanes>;
+using IntLanes = std::array<int, kLanes>;
+
+/// Straight lines of unit steps through the image, one in each lane.
+struct Lines {
+  FloatLanes x, y, dx, dy;  ///< where they begin, and the step
+};
 
 EdgeSearch::Filters filtersOf(double sigma) {
   EdgeSearch::Filters f;
@@ -49,161 +59,295 @@ EdgeSearch::Filters filtersOf(double sigma) {
 
 }  // namespace
 
-/// Answers at p[i], for i in 0..m-1; reads p[-kTaps] to p[m - 1 + kTaps].
+/// Grey levels along the lines, bilinear. Fixed point: 16 fractional bits for the position, 8 for
+/// the weights.
+/// @pre all of it lies within the image
 PBP_SIMD
-static void filter(const float* p, const EdgeSearch::Filters& f, int m, float* step, float* line) {
-  static_assert(kTaps == 3, "written out, so that the compiler takes several i at once");
+static void sample(const std::uint8_t* data, int pitch, const Lines& lines, int n, float* levels) {
+  constexpr float kOne = 65536.0f;  // of 16 fractional bits
+  IntLanes x, y, dx, dy, at, top, bottom;
+  for (int l = 0; l < kLanes; ++l) {
+    x[l] = static_cast<int>(lines.x[l] * kOne);
+    y[l] = static_cast<int>(lines.y[l] * kOne);
+    dx[l] = static_cast<int>(lines.dx[l] * kOne);
+    dy[l] = static_cast<int>(lines.dy[l] * kOne);
+  }
+  for (int k = 0; k < n; ++k, levels += kLanes) {
+    for (int l = 0; l < kLanes; ++l) at[l] = (y[l] >> 16) * pitch + (x[l] >> 16);
+    for (int l = 0; l < kLanes; ++l) {  // pairs of neighbours, one load each
+      const std::uint8_t* const p = data + at[l];
+      top[l] = p[0] | p[1] << 8;
+      bottom[l] = p[pitch] | p[pitch + 1] << 8;
+    }
+    for (int l = 0; l < kLanes; ++l) {
+      const int a = (x[l] >> 8) & 255, b = (y[l] >> 8) & 255;
+      const int above = ((top[l] & 255) << 8) + a * ((top[l] >> 8) - (top[l] & 255));
+      const int below = ((bottom[l] & 255) << 8) + a * ((bottom[l] >> 8) - (bottom[l] & 255));
+      levels[l] = static_cast<float>((above << 8) + b * (below - above)) * (1.0f / kOne);
+      x[l] += dx[l];
+      y[l] += dy[l];
+    }
+  }
+}
+
+/// The mean of two profiles to either side, and the slope from one to the other.
+PBP_SIMD
+static void joinPair(const Profiles& left, int n, Profiles* right_to_mean, float* slope) {
+  for (int i = 0; i < n * kLanes; ++i) {
+    const float a = left[i], b = (*right_to_mean)[i];
+    slope[i] = (a - b) * (1.0f / (2.0f * kAside));
+    (*right_to_mean)[i] = 0.5f * (a + b);
+  }
+}
+
+/// Answers at n places of p; reads kTaps places before and behind.
+PBP_SIMD
+static void filter(const float* p, const EdgeSearch::Filters& f, int n, int pitch, float* step,
+                   float* line) {
+  static_assert(kTaps == 3, "written out, so that the compiler takes several lanes at once");
+  constexpr int k1 = kLanes, k2 = 2 * kLanes, k3 = 3 * kLanes;
   const float o1 = f.odd[0], o2 = f.odd[1], o3 = f.odd[2];
   const float e0 = f.even[0], e1 = f.even[1], e2 = f.even[2], e3 = f.even[3];
-  for (int i = 0; i < m; ++i) {
-    const float* const q = p + i;
-    step[i] = o1 * (q[1] - q[-1]) + o2 * (q[2] - q[-2]) + o3 * (q[3] - q[-3]);
-    line[i] = e0 * q[0] + e1 * (q[1] + q[-1]) + e2 * (q[2] + q[-2]) + e3 * (q[3] + q[-3]);
+  for (int i = 0; i < n; ++i, p += kLanes, step += pitch, line += pitch) {
+    FloatLanes odd, even;
+    for (int l = 0; l < kLanes; ++l) {
+      const float* const q = p + l;
+      odd[l] = o1 * (q[k1] - q[-k1]) + o2 * (q[k2] - q[-k2]) + o3 * (q[k3] - q[-k3]);
+      even[l] = e0 * q[0] + e1 * (q[k1] + q[-k1]) + e2 * (q[k2] + q[-k2]) + e3 * (q[k3] + q[-k3]);
+    }
+    std::copy(odd.begin(), odd.end(), step);
+    std::copy(even.begin(), even.end(), line);
   }
+}
+
+/// The mean of each place and its two neighbours; reads one place before and behind.
+PBP_SIMD
+static void smooth(const float* p, int n, int pitch, float* out) {
+  for (int i = 0; i < n; ++i, p += kLanes, out += pitch)
+    for (int l = 0; l < kLanes; ++l)
+      out[l] = (p[l - kLanes] + p[l] + p[l + kLanes]) * (1.0f / 3.0f);
 }
 
 PBP_SIMD
-static void magnitude(const float* a, const float* b, int m, float* out) {
-  for (int i = 0; i < m; ++i) out[i] = std::sqrt(a[i] * a[i] + b[i] * b[i]);
-}
-
-EdgeSearch::EdgeSearch(const EdgeMap& edges, const SearchProfile& profile)
-    : edges_(edges), profile_(profile), filters_(filtersOf(profile.sigma_px)) {}
-
-EdgeSearch::Response EdgeSearch::respond(const PosedPoint& point) const {
-  const int half = profile_.reach_px + kTaps + 1, n = 2 * half + 1, m = places();
-  Response out;
-  const auto& image = edges_.image;
-  out.complete = fitsInside(image, point.pixel, half + kMargin);
-  if (!out.complete) return out;
-  // One profile through the point, or one to either side, which tells the gradient's direction,
-  // too.
-  Profile sum{}, other{};
-  const float nx = static_cast<float>(point.normal.x()), ny = static_cast<float>(point.normal.y());
-  const float x0 = static_cast<float>(point.pixel.x()) - half * nx;
-  const float y0 = static_cast<float>(point.pixel.y()) - half * ny;
-  if (profile_.paired) {
-    addProfile(image, x0 - kAside * ny, y0 + kAside * nx, nx, ny, n, sum.data());
-    addProfile(image, x0 + kAside * ny, y0 - kAside * nx, nx, ny, n, other.data());
-    Profile across{};
-    for (int k = 0; k < n; ++k) {
-      across[k] = (sum[k] - other[k]) / (2.0f * kAside);
-      sum[k] = 0.5f * (sum[k] + other[k]);
-    }
-    for (int i = 0; i < m; ++i)
-      out.across[i] = (across[i + kTaps - 1] + across[i + kTaps] + across[i + kTaps + 1]) / 3.0f;
-  } else {
-    addProfile(image, x0, y0, nx, ny, n, sum.data());
-    std::fill_n(out.across.begin(), m, 0.0f);
-  }
-  filter(sum.data() + kTaps, filters_, m, out.step.data(), out.line.data());
-  out.level = std::clamp(static_cast<int>(sum[half]), 0, 255);
-  return out;
-}
-
-EdgeHit EdgeSearch::strongest(const Response& response, float noise_share) const {
-  EdgeHit hit;
-  if (!response.complete) return hit;
-  const int reach = profile_.reach_px, m = places();
-  // Local energy: where plates of one kind lie on one another, their contour is a dark or bright
-  // line as often as a step, and the steps on either side of it are no contour.
-  Response::Places energy;
-  magnitude(response.step.data(), response.line.data(), m, energy.data());
-  const float noise = noise_share * edges_.noise[response.level];
-  float best = 0.0f;
-  for (int i = 1; i + 1 < m; ++i) {
-    const float a = energy[i], l = energy[i - 1], r = energy[i + 1];
-    if (a < kNoiseFactor * noise || a < l || a <= r) continue;
-    const float curve = l - 2 * a + r;
-    const float at_px = i - reach - 1 + (curve < 0.0f ? 0.5f * (l - r) / curve : 0.0f);
-    const float near = at_px / (reach + 1.0f);
-    const float merit = std::min(a, kClear * noise) * (1.0f - near * near);
-    if (merit <= best) continue;
-    best = merit;
-    hit.found = true;
-    hit.offset_px = at_px;
-    hit.height = a;
-    const float t = response.across[i], g = kSlopeOfStep * a;
-    hit.cosine = g / std::sqrt(g * g + t * t);
-  }
-  return hit;
+static void magnitude(const float* a, const float* b, int n, int pitch, float* out) {
+  for (int i = 0; i < n; ++i, a += pitch, b += pitch, out += kLanes)
+    for (int l = 0; l < kLanes; ++l) out[l] = std::sqrt(a[l] * a[l] + b[l] * b[l]);
 }
 
 namespace {
 
-/// Of all points before each, so that the mean over any stretch is one difference.
-class RunningSums {
- public:
-  RunningSums(std::size_t points, int places) : places_(places), sums_(points + 1) {
-    for (auto* values : {&sums_[0].step, &sums_[0].line, &sums_[0].across}) values->fill(0.0f);
-  }
-  void set(int i, const EdgeSearch::Response& r) {
-    const auto& from = sums_[i];
-    auto& to = sums_[i + 1];
-    if (!r.complete) {
-      to = from;
-      return;
-    }
-    for (int k = 0; k < places_; ++k) {
-      to.step[k] = from.step[k] + r.step[k];
-      to.line[k] = from.line[k] + r.line[k];
-      to.across[k] = from.across[k] + r.across[k];
-    }
-  }
-  /// Of points `first` to `last`, both among them.
-  EdgeSearch::Response mean(int first, int last) const {
-    const auto &before = sums_[first], &after = sums_[last + 1];
-    const float share = 1.0f / static_cast<float>(last - first + 1);
-    EdgeSearch::Response out;
-    for (int k = 0; k < places_; ++k) {
-      out.step[k] = share * (after.step[k] - before.step[k]);
-      out.line[k] = share * (after.line[k] - before.line[k]);
-      out.across[k] = share * (after.across[k] - before.across[k]);
-    }
-    return out;
-  }
-
- private:
-  int places_;
-  std::vector<EdgeSearch::Response> sums_;
+/// The strongest peak of each lane; a merit of 0 where there is none.
+struct Peaks {
+  FloatLanes merit, at_px, height, across;
 };
 
 }  // namespace
 
+/// @param least, clear  the height from which on a peak counts, and beyond which it counts no more
+PBP_SIMD
+static void findPeaks(const float* energy, const float* across, int pitch, int reach,
+                      const FloatLanes& least, const FloatLanes& clear, Peaks* out) {
+  FloatLanes merit{}, at_px{}, height{}, slope{};
+  const float share = 1.0f / static_cast<float>(reach + 1);
+  for (int i = 1; i < 2 * reach + 2; ++i) {
+    const float* const a = energy + i * kLanes;
+    const float* const t = across + i * pitch;
+    const auto middle = static_cast<float>(i - reach - 1);
+    for (int l = 0; l < kLanes; ++l) {
+      const float here = a[l], before = a[l - kLanes], after = a[l + kLanes];
+      // Of a parabola through the three; at a peak its curvature is negative.
+      const float at = middle + 0.5f * (before - after) / (before - 2 * here + after);
+      const float near = at * share;
+      const float worth = std::min(here, clear[l]) * (1.0f - near * near);
+      const bool is_better =
+          (here >= least[l]) & (here >= before) & (here > after) & (worth > merit[l]);
+      merit[l] = is_better ? worth : merit[l];
+      at_px[l] = is_better ? at : at_px[l];
+      height[l] = is_better ? here : height[l];
+      slope[l] = is_better ? t[l] : slope[l];
+    }
+  }
+  *out = {merit, at_px, height, slope};
+}
+
+EdgeSearch::Responses::Responses(int places, int points)
+    : places_(places),
+      pitch_((points + kLanes - 1) / kLanes * kLanes + 2 * kLanes),
+      values_(static_cast<std::size_t>(3 * places * pitch_), 0.0f),
+      level_(static_cast<std::size_t>(pitch_), kNoLevel) {}
+
+EdgeSearch::EdgeSearch(const EdgeMap& edges, const SearchProfile& profile)
+    : edges_(edges), profile_(profile), filters_(filtersOf(profile.sigma_px)) {}
+
+void EdgeSearch::respond(const PosedPoints& points, int first, Responses* out) const {
+  const int half = profile_.reach_px + kTaps + 1, n = 2 * half + 1, m = places();
+  const auto& image = edges_.image;
+  // One profile through the point, or one to either side, which tells the gradient's direction,
+  // too.
+  const float aside = profile_.paired ? kAside : 0.0f;
+  Lines left, right;
+  std::array<bool, kLanes> is_complete;
+  for (int l = 0; l < kLanes; ++l) {
+    is_complete[l] =
+        points.is_in_front[l] && fitsInside(image, {points.x[l], points.y[l]}, half + kMargin);
+    // What leaves the image looks at its first pixel.
+    const float share = is_complete[l] ? 1.0f : 0.0f;
+    const float nx = share * static_cast<float>(points.nx[l]);
+    const float ny = share * static_cast<float>(points.ny[l]);
+    const float x = is_complete[l] ? static_cast<float>(points.x[l]) : 0.0f;
+    const float y = is_complete[l] ? static_cast<float>(points.y[l]) : 0.0f;
+    left.dx[l] = right.dx[l] = nx;
+    left.dy[l] = right.dy[l] = ny;
+    left.x[l] = x - half * nx - aside * ny;
+    left.y[l] = y - half * ny + aside * nx;
+    right.x[l] = x - half * nx + aside * ny;
+    right.y[l] = y - half * ny - aside * nx;
+  }
+  const int pitch = static_cast<int>(image.step);
+  Profiles levels;
+  sample(image.data, pitch, right, n, levels.data());
+  if (profile_.paired) {
+    Profiles other, slope;
+    sample(image.data, pitch, left, n, other.data());
+    joinPair(other, n, &levels, slope.data());
+    smooth(slope.data() + kTaps * kLanes, m, out->pitch(), out->at(Responses::kAcross, 0, first));
+  }
+  filter(levels.data() + kTaps * kLanes, filters_, m, out->pitch(),
+         out->at(Responses::kStep, 0, first), out->at(Responses::kLine, 0, first));
+  for (int l = 0; l < kLanes; ++l)
+    out->level(first + l) = is_complete[l] ? static_cast<int>(levels[half * kLanes + l]) : kNoLevel;
+}
+
+EdgeSearch::Hits EdgeSearch::strongest(const Responses& responses, int first,
+                                       const Shares& noise_share) const {
+  // Local energy: where plates of one kind lie on one another, their contour is a dark or bright
+  // line as often as a step, and the steps on either side of it are no contour.
+  Places energy;
+  const int pitch = responses.pitch();
+  magnitude(responses.at(Responses::kStep, 0, first), responses.at(Responses::kLine, 0, first),
+            places(), pitch, energy.data());
+  FloatLanes least, clear;
+  for (int l = 0; l < kLanes; ++l) {
+    const float noise = noise_share[l] * edges_.noise[std::max(0, responses.level(first + l))];
+    least[l] = kNoiseFactor * noise;
+    clear[l] = kClear * noise;
+  }
+  Peaks peaks;
+  findPeaks(energy.data(), responses.at(Responses::kAcross, 0, first), pitch, profile_.reach_px,
+            least, clear, &peaks);
+  Hits hits;
+  for (int l = 0; l < kLanes; ++l) {
+    if (responses.level(first + l) == kNoLevel || peaks.merit[l] <= 0.0f) continue;
+    const float t = peaks.across[l], g = kSlopeOfStep * peaks.height[l];
+    hits[l] = {true, peaks.at_px[l], 0.0f, g / std::sqrt(g * g + t * t), peaks.height[l]};
+  }
+  return hits;
+}
+
+void findEach(const EdgeMap& edges, const SearchProfile& profile,
+              const std::vector<PosedPoints>& points, std::vector<EdgeHit>* hits) {
+  const EdgeSearch search(edges, profile);
+  EdgeSearch::Responses responses = search.responsesOf(kLanes);
+  EdgeSearch::Shares all;
+  all.fill(1.0f);
+  hits->clear();
+  for (const PosedPoints& block : points) {
+    search.respond(block, 0, &responses);
+    const auto found = search.strongest(responses, 0, all);
+    hits->insert(hits->end(), found.begin(), found.end());
+  }
+}
+
+namespace {
+
+/// Points of an outline in the image, kLanes to a block.
+class OnContour {
+ public:
+  OnContour(const std::vector<PosedPoints>& points, const EdgeSearch::Responses& responses, int n)
+      : points_(points), responses_(responses), n_(n) {}
+  /// Whether the stretch about point i goes on from one point to the next.
+  bool goesOn(int i, int from, int to) const {
+    if (to < 0 || to >= n_ || responses_.level(to) == kNoLevel) return false;
+    const PosedPoints &a = points_[i / kLanes], &b = points_[to / kLanes];
+    const int k = i % kLanes, l = to % kLanes;
+    return apart(to, i) <= kAlongPx && apart(to, from) <= kAlongPx &&
+           a.nx[k] * b.nx[l] + a.ny[k] * b.ny[l] >= kAlongCosine;
+  }
+  double apart(int i, int j) const {
+    const PosedPoints &a = points_[i / kLanes], &b = points_[j / kLanes];
+    const double dx = a.x[i % kLanes] - b.x[j % kLanes], dy = a.y[i % kLanes] - b.y[j % kLanes];
+    return std::sqrt(dx * dx + dy * dy);
+  }
+
+ private:
+  const std::vector<PosedPoints>& points_;
+  const EdgeSearch::Responses& responses_;
+  int n_;
+};
+
+/// The stretches of neighbours about kLanes points: how many there are before and behind.
+struct Stretches {
+  IntLanes before{}, behind{};
+  EdgeSearch::Shares noise_share;
+
+  Stretches(const OnContour& contour, const EdgeSearch::Responses& responses, int first, int n) {
+    noise_share.fill(1.0f);
+    for (int l = 0; l < kLanes && first + l < n; ++l) {
+      const int i = first + l;
+      if (responses.level(i) == kNoLevel) continue;
+      int from = i, to = i;
+      while (i - from < kLanes && contour.goesOn(i, from, from - 1)) --from;
+      while (to - i < kLanes && contour.goesOn(i, to, to + 1)) ++to;
+      before[l] = i - from;
+      behind[l] = to - i;
+      if (from == to) continue;
+      const double pairs =
+          std::min(1.0 + contour.apart(from, to) / kPairPx, static_cast<double>(to - from + 1));
+      noise_share[l] = static_cast<float>(1.0 / std::sqrt(pairs));
+    }
+  }
+};
+
+}  // namespace
+
+/// One row of responses, each with those of its stretch.
+PBP_SIMD
+static void average(const float* row, const Stretches& stretches, int before, int behind,
+                    float* out) {
+  FloatLanes sum{};
+  for (int d = -before; d <= behind; ++d)
+    for (int l = 0; l < kLanes; ++l)
+      sum[l] += (-stretches.before[l] <= d) & (d <= stretches.behind[l]) ? row[l + d] : 0.0f;
+  for (int l = 0; l < kLanes; ++l)
+    out[l] = sum[l] / static_cast<float>(1 + stretches.before[l] + stretches.behind[l]);
+}
+
 void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
               const Solid& solid, const Eigen::Isometry3d& T_camera_centre,
               const SearchProfile& profile, std::vector<EdgeHit>* hits) {
+  using Responses = EdgeSearch::Responses;
   const EdgeSearch search(edges, profile);
   const int n = static_cast<int>(points.size());
-  std::vector<PosedPoint> at(points.size());
-  std::vector<int> level(points.size(), kNoLevel);
-  RunningSums sums(points.size(), search.places());
-  for (int i = 0; i < n; ++i) {
-    EdgeSearch::Response response;
-    if (posePoint(camera, points[i], solid.radius, T_camera_centre, &at[i]))
-      response = search.respond(at[i]);
-    if (response.complete) level[i] = response.level;
-    sums.set(i, response);
-  }
+  const std::vector<PosedPoints> at = posePoints(camera, points, solid.radius, T_camera_centre);
+  Responses responses = search.responsesOf(n), means = search.responsesOf(kLanes);
+  for (int i = 0; i < n; i += kLanes) search.respond(at[i / kLanes], i, &responses);
+  const OnContour contour(at, responses, n);
   hits->assign(points.size(), {});
-  for (int i = 0; i < n; ++i) {
-    if (level[i] == kNoLevel) continue;
-    const auto goesOn = [&](int from, int to) {
-      return to >= 0 && to < n && level[to] != kNoLevel &&
-             (at[to].pixel - at[i].pixel).norm() <= kAlongPx &&
-             (at[to].pixel - at[from].pixel).norm() <= kAlongPx &&
-             at[to].normal.dot(at[i].normal) >= kAlongCosine;
-    };
-    int first = i, last = i;
-    while (goesOn(first, first - 1)) --first;
-    while (goesOn(last, last + 1)) ++last;
-    EdgeSearch::Response mean = sums.mean(first, last);
-    mean.complete = true;
-    mean.level = level[i];
-    const double pairs =
-        std::min(1.0 + (at[last].pixel - at[first].pixel).norm() / kPairPx, last - first + 1.0);
-    (*hits)[i] = search.strongest(mean, static_cast<float>(1.0 / std::sqrt(pairs)));
-    (*hits)[i].wall_px = static_cast<float>(wallWidth(solid, at[i]));
+  for (int i = 0; i < n; i += kLanes) {
+    const Stretches stretches(contour, responses, i, n);
+    const int before = *std::max_element(stretches.before.begin(), stretches.before.end());
+    const int behind = *std::max_element(stretches.behind.begin(), stretches.behind.end());
+    for (const auto kind : {Responses::kStep, Responses::kLine, Responses::kAcross})
+      for (int k = 0; k < search.places(); ++k)
+        average(responses.at(kind, k, i), stretches, before, behind, means.at(kind, k, 0));
+    for (int l = 0; l < kLanes; ++l) means.level(l) = responses.level(i + l);
+    const auto found = search.strongest(means, 0, stretches.noise_share);
+    for (int l = 0; l < kLanes && i + l < n; ++l) {
+      EdgeHit& hit = (*hits)[i + l];
+      hit = found[l];
+      if (means.level(l) != kNoLevel)
+        hit.wall_px = static_cast<float>(wallWidth(solid, at[i / kLanes].gz[l]));
+    }
   }
 }
 

@@ -36,8 +36,9 @@ inline Solid solidOf(const PartModel& part, Face face) {
 }
 
 /// Width of the side wall outside the outline, pixels.
-inline double wallWidth(const Solid& solid, const PosedPoint& at) {
-  return std::max(0.0, solid.far_contour * at.deep_px);
+/// @param deep_px  of the point, see PosedPoint
+inline double wallWidth(const Solid& solid, double deep_px) {
+  return std::max(0.0, solid.far_contour * deep_px);
 }
 
 struct SearchProfile {
@@ -46,7 +47,7 @@ struct SearchProfile {
   double sigma_px = 1.0;  ///< of the derivative filter
 };
 
-/// Searches on one kind of profile; the filters are made once.
+/// Searches on one kind of profile; the filters are made once. Works on kLanes points at a time.
 class EdgeSearch {
  public:
   static constexpr int kTaps = 3;  // of the derivative filter on either side
@@ -57,30 +58,55 @@ class EdgeSearch {
   };
 
   static constexpr int kMaxReach = 16;  // of SearchProfile::reach_px: buffers of fixed size
-  /// What the filters answer at the places of a profile, the first one reach_px + 1 inside;
-  /// set only where the profile is complete, and no farther than places().
-  struct Response {
-    using Places = std::array<float, 2 * kMaxReach + 3>;
-    bool complete = false;  ///< whether the profile lies in the image
-    int level = 0;          ///< grey level at the point
-    Places step, line;      ///< heights, grey levels
-    Places across;          ///< slope along the contour, grey levels per pixel; 0 without a pair
+  static constexpr int kLanes = PosedPoints::kLanes;
+  static constexpr int kNoLevel = -1;
+  using Hits = std::array<EdgeHit, kLanes>;
+  using Shares = std::array<float, kLanes>;
+
+  /// What the filters answer at the places of many points' profiles, the first place reach_px + 1
+  /// inside. By kind and place, point after point; about these lie zeros for kLanes points.
+  class Responses {
+   public:
+    enum Kind { kStep, kLine, kAcross };  ///< heights; slope along the contour, 0 without a pair
+    Responses(int places, int points);
+    float* at(Kind kind, int place, int point) {
+      return values_.data() + (kind * places_ + place) * pitch_ + kLanes + point;
+    }
+    const float* at(Kind kind, int place, int point) const {
+      return values_.data() + (kind * places_ + place) * pitch_ + kLanes + point;
+    }
+    int& level(int point) { return level_[point]; }
+    int level(int point) const { return level_[point]; }
+    int pitch() const { return pitch_; }  ///< from one place to the next
+
+   private:
+    int places_, pitch_;
+    std::vector<float> values_;
+    std::vector<int> level_;  // grey level at the point; kNoLevel: the profile leaves the image
   };
 
   EdgeSearch(const EdgeMap& edges, const SearchProfile& profile);
 
   int places() const { return 2 * profile_.reach_px + 3; }
-  Response respond(const PosedPoint& point) const;
-  /// The strongest edge on the profile, nearer ones preferred; its wall_px is not set.
+  Responses responsesOf(int points) const { return {places(), points}; }
+  /// Sets the responses of kLanes points from `first` on.
+  void respond(const PosedPoints& points, int first, Responses* out) const;
+  /// The strongest edge on each of the profiles from `first` on, nearer ones preferred; its wall_px
+  /// is not set.
   /// @param noise_share  of the image's noise that is left in the response
-  EdgeHit strongest(const Response& response, float noise_share = 1.0f) const;
-  EdgeHit at(const PosedPoint& point) const { return strongest(respond(point)); }
+  Hits strongest(const Responses& responses, int first, const Shares& noise_share) const;
 
  private:
   const EdgeMap& edges_;
   SearchProfile profile_;
   Filters filters_;
 };
+
+/// Where each point would find its edge, each by itself.
+/// @param points  where they are seen, kLanes to a block
+/// @param hits    as many as the blocks have lanes
+void findEach(const EdgeMap& edges, const SearchProfile& profile,
+              const std::vector<PosedPoints>& points, std::vector<EdgeHit>* hits);
 
 /// Where each point would find its edge, together with its neighbours along the contour: these
 /// agree on a faint edge, but not on noise or texture. The points in order along their loops.

@@ -107,8 +107,8 @@ std::vector<AlignmentRow> expectedRows(const SeenPart& seen, const Detection& kn
     PosedPoint at;
     if (!posePoint(camera, p, seen.solid.radius, T_view_centre, &at)) continue;
     const double offset = rows.size() % 2 == 0 ? kScatterPx : -kScatterPx;
-    rows.push_back(
-        {normalJacobian(p, at), offset, at.out_px, trustOf(wallWidth(seen.solid, at), kReachPx)});
+    rows.push_back({normalJacobian(p, at), offset, at.out_px,
+                    trustOf(wallWidth(seen.solid, at.deep_px), kReachPx)});
   }
   return rows;
 }

@@ -30,13 +30,12 @@ Found search(const sim::Scene& scene) {
   const Eigen::Isometry3d T = sim::poseOf(kLie) * centreOf(*part, Face::kFront);
   std::vector<EdgeHit> hits;
   findHits(shot.edges, shot.camera, points, solid, T, kPaired, &hits);
-  const EdgeSearch alone(shot.edges, kPaired);
+  std::vector<EdgeHit> alone;
+  findEach(shot.edges, kPaired, posePoints(shot.camera, points, solid.radius, T), &alone);
   Found out;
   const double share = 1.0 / static_cast<double>(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    PosedPoint at;
-    EXPECT_TRUE(posePoint(shot.camera, points[i], solid.radius, T, &at));
-    out.alone += alone.at(at).found ? share : 0.0;
+    out.alone += alone[i].found ? share : 0.0;
     out.together += hits[i].found ? share : 0.0;
     if (hits[i].found)
       out.farthest_px = std::max(out.farthest_px, std::abs(static_cast<double>(hits[i].offset_px)));
@@ -98,10 +97,15 @@ EdgeMap pictureOf(Level&& level) {
 double stepAt(double x, double at) { return 0.5 * std::erfc((at - x) / (0.7 * std::sqrt(2.0))); }
 
 EdgeHit hitAt(const EdgeMap& map, double x, const SearchProfile& profile, double outward = 1.0) {
-  PosedPoint point;
-  point.pixel = {x, 30.0};
-  point.normal = {outward, 0.0};
-  return EdgeSearch(map, profile).at(point);
+  PosedPoints points;
+  points.x.fill(x);
+  points.y.fill(30.0);
+  points.nx.fill(outward);
+  points.ny.fill(0.0);
+  points.is_in_front.fill(true);
+  std::vector<EdgeHit> hits;
+  findEach(map, profile, {points}, &hits);
+  return hits.front();
 }
 
 TEST(EdgeSearch, AStepIsFoundToATenthOfAPixel) {

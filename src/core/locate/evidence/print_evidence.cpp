@@ -63,9 +63,10 @@ struct Shares {
 double printScore(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
                   double radius, const Eigen::Isometry3d& T_camera_centre) {
   Shares strokes, borders;
-  for (const LocalPoint& p : points) {
+  const auto seen = posePoints(camera, points, radius, T_camera_centre);
+  for (std::size_t i = 0; i < points.size(); ++i) {
     PosedPoint at;
-    if (!posePoint(camera, p, radius, T_camera_centre, &at)) continue;
+    if (!pointAt(seen, i, &at)) continue;
     if (!fitsInside(edges.image, at.pixel, kHalf + kMargin)) continue;
     Profile sum{};
     for (const float side : {-kAside, kAside}) {

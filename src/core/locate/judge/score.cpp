@@ -186,6 +186,7 @@ ContourEvidence contourEvidence(const EdgeMap& edges, const Camera& camera, cons
     moveInward(posed.edge_offset, &points);
     std::vector<EdgeHit> hits;
     findHits(edges, camera, points, posed.solid, posed.T_camera_centre, kReach, &hits);
+    const auto seen = posePoints(camera, points, part.radius(), posed.T_camera_centre);
     for (std::size_t k = 0; k < points.size(); ++k) {
       const double weight = weightOf(group, part.outline()[points[k].index].loop,
                                      posed.px_per_radius / part.radius()) /
@@ -198,8 +199,7 @@ ContourEvidence contourEvidence(const EdgeMap& edges, const Camera& camera, cons
         out.hole_weights += weight;
       }
       PosedPoint at;
-      if (posePoint(camera, points[k], part.radius(), posed.T_camera_centre, &at) &&
-          fitsInside(edges.image, at.pixel, 0.0))
+      if (pointAt(seen, k, &at) && fitsInside(edges.image, at.pixel, 0.0))
         out.outline.push_back({at.pixel.cast<float>(), at.normal.cast<float>(),
                                static_cast<float>(inlier), static_cast<float>(weight)});
     }

@@ -158,16 +158,16 @@ double trustOf(double wall_px, double reach_px) {
 std::vector<Row> associate(const EdgeMap& edges, const Camera& camera,
                            const std::vector<LocalPoint>& points, const Solid& solid,
                            const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile) {
-  const EdgeSearch search(edges, profile);
+  const auto at = posePoints(camera, points, solid.radius, T_camera_centre);
+  std::vector<EdgeHit> hits;
+  findEach(edges, profile, at, &hits);
   std::vector<Row> rows;
   rows.reserve(points.size());
-  for (const auto& p : points) {
-    PosedPoint at;
-    if (!posePoint(camera, p, solid.radius, T_camera_centre, &at)) continue;
-    const EdgeHit hit = search.at(at);
-    if (!hit.found) continue;
-    rows.push_back({normalJacobian(p, at), hit.offset_px, at.out_px,
-                    trustOf(wallWidth(solid, at), profile.reach_px)});
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    PosedPoint p;
+    if (!hits[i].found || !pointAt(at, i, &p)) continue;
+    rows.push_back({normalJacobian(points[i], p), hits[i].offset_px, p.out_px,
+                    trustOf(wallWidth(solid, p.deep_px), profile.reach_px)});
   }
   return rows;
 }
