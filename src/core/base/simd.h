@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 /// Functions marked PBP_SIMD are compiled twice on x86-64, with and without AVX2, and the fitting
 /// one is taken at run time. Elsewhere, and under sanitizers (which cannot run the resolver), once.
@@ -25,5 +26,22 @@ namespace planar_bin_picking {
 
 /// 32 bytes added at once; the compiler splits it where registers are smaller.
 typedef std::uint8_t ByteVector __attribute__((vector_size(32)));
+
+/// The same of doubles.
+typedef double DoubleVector __attribute__((vector_size(32)));
+inline constexpr int kDoublesOfVector = 4;
+
+/// Sum of the products of n numbers, a multiple of kDoublesOfVector. Inline, so that it is compiled
+/// as the function that calls it.
+inline double dot(const double* a, const double* b, int n) {
+  DoubleVector sum = {};
+  for (int i = 0; i < n; i += kDoublesOfVector) {
+    DoubleVector u, v;
+    std::memcpy(&u, a + i, sizeof u);
+    std::memcpy(&v, b + i, sizeof v);
+    sum += u * v;
+  }
+  return (sum[0] + sum[2]) + (sum[1] + sum[3]);
+}
 
 }  // namespace planar_bin_picking

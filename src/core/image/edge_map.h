@@ -17,6 +17,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace planar_bin_picking {
@@ -25,15 +26,19 @@ inline constexpr int kDirections = 16;         ///< bins of the edge normal's an
 inline constexpr int kUnitsPerFieldPixel = 3;  ///< chamfer weights 3 (side) and 4 (corner)
 inline constexpr int kFarDistance = 120;       ///< units; nothing within 40 field pixels
 
-/// Bin of a normal's direction, sign ignored; exact to 0.3 degrees.
-inline int directionBin(double nx, double ny) {
-  const double x = std::abs(nx), y = std::abs(ny);
-  const double low = std::min(x, y), high = std::max({x, y, 1e-300});
-  const double q = low / high;
-  double turns = q * (0.97239411 - 0.19194795 * q * q) * (kDirections / M_PI);  // atan(q)
-  if (y > x) turns = 0.5 * kDirections - turns;
-  if ((nx < 0.0) != (ny < 0.0)) turns = kDirections - turns;
-  return static_cast<int>(turns + 0.5) % kDirections;
+/// Bin of a normal's direction, sign ignored; exact to 0.3 degrees. Without branches, for loops of
+/// which the compiler takes several at once.
+template <class T>
+inline int directionBin(T nx, T ny) {
+  static_assert((kDirections & (kDirections - 1)) == 0, "a power of two");
+  constexpr T kQuarter = kDirections / 2, kLeast = std::numeric_limits<T>::min();
+  const T x = std::abs(nx), y = std::abs(ny), apart = std::abs(x - y);
+  const T q = (x + y - apart) / (x + y + apart + kLeast);  // the smaller over the larger
+  const T octant = q * (T(0.97239411) - T(0.19194795) * q * q) * T(kDirections / M_PI);  // atan(q)
+  const T half = kQuarter / 2, quadrant = half + std::copysign(half - octant, y - x);
+  const T side = std::copysign(T(1), nx) * std::copysign(T(1), ny);
+  const T turns = kQuarter + side * (quadrant - kQuarter);
+  return static_cast<int>(turns + T(0.5)) & (kDirections - 1);
 }
 
 /// u = focal * x/z + cx, v = focal * y/z + cy; pixel (0, 0) is the centre of the first field pixel.

@@ -111,7 +111,7 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const 
         before = mag[up][x + 1], after = mag[down][x - 1];
       }
       if (m > before && m >= after) {
-        out[x] = static_cast<std::uint8_t>(1 + directionBin(h, v));
+        out[x] = static_cast<std::uint8_t>(1 + directionBin<double>(h, v));
         const float least = faintest * texture.at(x, y);
         is_faint[x] = static_cast<float>(m) < least * least;
       }

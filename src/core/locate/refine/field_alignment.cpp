@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/refine/field_alignment.h"
 
-#include "image/posed_point.h"
+#include "base/simd.h"
 #include "locate/refine/levenberg_marquardt.h"
 
 #include <algorithm>
@@ -18,45 +18,18 @@ constexpr double kStepMost = 0.3;     // radii or radians: beyond, the points se
 constexpr int kBinsRenewed = 3;       // evaluations for which a point's direction bin is kept: time
 constexpr double kSineLeast = 1e-6;   // of a tilt, against a division by zero
 
-/// A point's place in the field: its direction bin is renewed only now and then.
-struct Seen {
-  double u, v;    // field pixels
-  double iu, iv;  // ideal image plane
-  double inv_z;
+/// Of a block: the weighted rows of Jacobians, columns of the normal equations by lane.
+struct Rows {
+  static constexpr int kUnknowns = 6;
+  using Lanes = FieldBlock::Lanes<double>;
+  std::array<Lanes, kUnknowns> J, weighted;
+  Lanes is_used, cost;
 };
 
-bool see(const Field& field, const Eigen::Isometry3d& T, double radius, const LocalPoint& p,
-         Seen* out) {
-  const Eigen::Vector3d q =
-      T.translation() + radius * (p.x * T.linear().col(0) + p.y * T.linear().col(1));
-  if (q.z() <= kDepthLeast) return false;
-  out->inv_z = 1.0 / q.z();
-  out->iu = q.x() * out->inv_z;
-  out->iv = q.y() * out->inv_z;
-  out->u = field.focal * out->iu + field.cx;
-  out->v = field.focal * out->iv + field.cy;
-  return out->u >= 0.0 && out->v >= 0.0 && out->u < field.width - 1 && out->v < field.height - 1;
-}
-
-int seenBin(const Eigen::Isometry3d& T, const LocalPoint& p, const Seen& s) {
-  const Eigen::Vector3d d = p.tx * T.linear().col(0) + p.ty * T.linear().col(1);
-  return directionBin(d.y() - s.iv * d.z(), -(d.x() - s.iu * d.z()));
-}
-
-struct Sample {
-  double d, gx, gy;  // field pixels and per field pixel
+/// What a step of the pose does, in plain numbers: the scale and the pose's rotation by columns.
+struct Motion {
+  double scale, xx, xy, xz, yx, yy, yz, zx, zy, zz;
 };
-
-Sample sample(const Field& field, const Seen& s, int bin) {
-  const int x = static_cast<int>(s.u), y = static_cast<int>(s.v);
-  const double a = s.u - x, b = s.v - y;
-  const std::uint8_t* p = field.at(x, y) + bin;
-  const std::uint8_t* q = p + static_cast<std::size_t>(field.width) * kDirections;
-  const double p0 = p[0], p1 = p[kDirections], q0 = q[0], q1 = q[kDirections];
-  constexpr double k = 1.0 / kUnitsPerFieldPixel;
-  return {k * ((1 - b) * ((1 - a) * p0 + a * p1) + b * ((1 - a) * q0 + a * q1)),
-          k * ((1 - b) * (p1 - p0) + b * (q1 - q0)), k * ((1 - a) * (q0 - p0) + a * (q1 - p1))};
-}
 
 /// Penalty for a tilt beyond the limit: Eq. (7) of [1], as a residual, since with its exponential
 /// the normal equations would overflow.
@@ -91,34 +64,88 @@ void addTiltPrior(const Eigen::Isometry3d& T, const Eigen::Vector3d& normal_vote
 
 }  // namespace
 
-Eigen::Isometry3d alignInField(const Field& field, const std::vector<LocalPoint>& points,
-                               double radius, const Eigen::Isometry3d& T_camera_centre,
-                               double reach_px, const RefineParams& params) {
-  std::vector<int> bins(points.size(), 0);
+/// Tukey's biweight, and how the distances follow the pose.
+PBP_SIMD
+static void weigh(const FieldBlock& block, const double* x, const double* y, const Motion& motion,
+                  double inv_reach2, Rows* out) {
+  const Motion m = motion;  // of its own, so that no store below can change it
+  for (int k = 0; k < block.count; ++k) {
+    const double d = block.d[k], e = 1.0 - d * d * inv_reach2;
+    const double near = 0.5 * (e + std::abs(e)) * block.is_inside[k];  // 0 beyond the reach
+    const double weight = 3.0 * near * near * inv_reach2;
+    out->is_used[k] = weight > 0.0 ? 1.0 : 0.0;
+    out->cost[k] = block.is_real[k] * (1.0 - near * near * near);
+    const double scale = m.scale * block.inv_z[k];
+    const double gx = scale * block.gx[k], gy = scale * block.gy[k];
+    const double gz = -(gx * block.iu[k] + gy * block.iv[k]);
+    const double lx = m.xx * gx + m.xy * gy + m.xz * gz, ly = m.yx * gx + m.yy * gy + m.yz * gz;
+    const double lz = m.zx * gx + m.zy * gy + m.zz * gz;
+    const double about_x = y[k] * lz, about_y = -x[k] * lz, about_z = x[k] * ly - y[k] * lx;
+    out->J[0][k] = lx;  // as pointJacobian has it
+    out->J[1][k] = ly;
+    out->J[2][k] = lz;
+    out->J[3][k] = about_x;
+    out->J[4][k] = about_y;
+    out->J[5][k] = about_z;
+    out->weighted[0][k] = weight * lx;
+    out->weighted[1][k] = weight * ly;
+    out->weighted[2][k] = weight * lz;
+    out->weighted[3][k] = weight * about_x;
+    out->weighted[4][k] = weight * about_y;
+    out->weighted[5][k] = weight * about_z;
+  }
+}
+
+/// Adds the block's part of H, b, cost and the number of used points.
+PBP_SIMD
+static void sumUp(const FieldBlock& block, const Rows& rows, NormalEquations* out) {
+  const int n = block.count;
+  for (int i = 0; i < Rows::kUnknowns; ++i) {
+    out->b(i) += dot(rows.weighted[i].data(), block.d.data(), n);
+    for (int j = 0; j <= i; ++j) out->H(i, j) += dot(rows.weighted[i].data(), rows.J[j].data(), n);
+  }
+  out->cost += dot(rows.cost.data(), block.is_real.data(), n);
+  out->used += static_cast<int>(dot(rows.is_used.data(), block.is_real.data(), n));
+}
+
+/// Sum over the block: 1 on an edgel, 0 from the reach on.
+PBP_SIMD
+static double nearness(const FieldBlock& block, double inv_reach) {
+  FieldBlock::Lanes<double> near;
+  for (int k = 0; k < block.count; ++k) {
+    const double share = 1.0 - block.d[k] * inv_reach;
+    near[k] = share > 0.0 ? share : 0.0;
+  }
+  return dot(near.data(), block.is_inside.data(), block.count);
+}
+
+Eigen::Isometry3d alignInField(const Field& field, const FieldPoints& points, double radius,
+                               const Eigen::Isometry3d& T_camera_centre, double reach_px,
+                               const RefineParams& params) {
+  std::vector<FieldBlock> blocks(static_cast<std::size_t>(blocksOf(points)));
+  Rows rows;
   const auto evaluate = [&](const Eigen::Isometry3d& T, int k, double reach) {
     NormalEquations out;
-    const double inv_reach2 = 1.0 / (reach * reach);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const LocalPoint& p = points[i];
-      Seen s;
-      if (!see(field, T, radius, p, &s)) {
-        out.cost += 1.0;
-        continue;
-      }
-      if (k % kBinsRenewed == 0) bins[i] = seenBin(T, p, s);
-      const Sample d = sample(field, s, bins[i]);
-      const double e = 1.0 - d.d * d.d * inv_reach2;
-      if (e <= 0.0) {
-        out.cost += 1.0;
-        continue;
-      }
-      out.cost += 1.0 - e * e * e;  // Tukey's biweight
-      const double scale = field.focal * radius * s.inv_z;
-      const Eigen::Vector3d g(scale * d.gx, scale * d.gy, -scale * (d.gx * s.iu + d.gy * s.iv));
-      out.add(pointJacobian(p, T.linear().transpose() * g), d.d, 3.0 * e * e * inv_reach2);
+    const Eigen::Matrix3d R = T.linear();
+    const Motion motion{field.focal * radius,
+                        R(0, 0),
+                        R(1, 0),
+                        R(2, 0),
+                        R(0, 1),
+                        R(1, 1),
+                        R(2, 1),
+                        R(0, 2),
+                        R(1, 2),
+                        R(2, 2)};
+    for (int i = 0; i < static_cast<int>(blocks.size()); ++i) {
+      look(field, points, radius, T, i, k % kBinsRenewed == 0, &blocks[i]);
+      const int first = i * FieldBlock::kMost;
+      weigh(blocks[i], &points.x[first], &points.y[first], motion, 1.0 / (reach * reach), &rows);
+      sumUp(blocks[i], rows, &out);
     }
-    addTiltPrior(T, T_camera_centre.linear().col(2), kPriorWeight * points.size(), &out);
-    addTiltPenalty(T, params.tilt_limit_deg * M_PI / 180.0, kTiltWeight * points.size(), &out);
+    out.H.triangularView<Eigen::StrictlyUpper>() = out.H.transpose();
+    addTiltPrior(T, T_camera_centre.linear().col(2), kPriorWeight * points.count, &out);
+    addTiltPenalty(T, params.tilt_limit_deg * M_PI / 180.0, kTiltWeight * points.count, &out);
     return out;
   };
   LevenbergMarquardtParams minimiser;
@@ -132,16 +159,15 @@ Eigen::Isometry3d alignInField(const Field& field, const std::vector<LocalPoint>
                   });
 }
 
-double fieldInlierScore(const Field& field, const std::vector<LocalPoint>& points, double radius,
+double fieldInlierScore(const Field& field, const FieldPoints& points, double radius,
                         const Eigen::Isometry3d& T_camera_centre, double reach_px) {
+  FieldBlock block;
   double score = 0.0;
-  for (const auto& p : points) {
-    Seen s;
-    if (!see(field, T_camera_centre, radius, p, &s)) continue;
-    const double d = sample(field, s, seenBin(T_camera_centre, p, s)).d;
-    score += std::max(0.0, 1.0 - d / reach_px);
+  for (int i = 0; i < blocksOf(points); ++i) {
+    look(field, points, radius, T_camera_centre, i, true, &block);
+    score += nearness(block, 1.0 / reach_px);
   }
-  return points.empty() ? 0.0 : score / static_cast<double>(points.size());
+  return points.count == 0 ? 0.0 : score / points.count;
 }
 
 }  // namespace planar_bin_picking

@@ -5,11 +5,8 @@
 /// First part of stage 3: poses are aligned in the directional distance field (no lens model, no
 /// image).
 
-#include "image/edge_map.h"
-#include "part/outline_view.h"
+#include "locate/refine/field_points.h"
 #include "planar_bin_picking/locate/params.h"
-
-#include <vector>
 
 namespace planar_bin_picking {
 
@@ -17,12 +14,12 @@ namespace planar_bin_picking {
 /// goes.
 /// @param reach_px  field pixels within which an edgel attracts a point at first
 /// @return          T_camera_centre
-Eigen::Isometry3d alignInField(const Field& field, const std::vector<LocalPoint>& points,
-                               double radius, const Eigen::Isometry3d& T_camera_centre,
-                               double reach_px, const RefineParams& params);
+Eigen::Isometry3d alignInField(const Field& field, const FieldPoints& points, double radius,
+                               const Eigen::Isometry3d& T_camera_centre, double reach_px,
+                               const RefineParams& params);
 
 /// Share of the points that lie on an edgel, graded to 0 at `reach_px` field pixels.
-double fieldInlierScore(const Field& field, const std::vector<LocalPoint>& points, double radius,
+double fieldInlierScore(const Field& field, const FieldPoints& points, double radius,
                         const Eigen::Isometry3d& T_camera_centre, double reach_px);
 
 }  // namespace planar_bin_picking

@@ -4,6 +4,7 @@
 
 /// What passes between the steps of stage 3.
 
+#include "locate/refine/field_points.h"
 #include "locate/refine/image_alignment.h"
 #include "locate/refine/slides.h"
 #include "part/outline_view.h"
@@ -37,7 +38,8 @@ struct FaceOutline {
 struct PartOutline {
   const PartModel* part = nullptr;
   double grain = 0.0;  ///< see grainOf
-  std::vector<LocalPoint> field, print;
+  FieldPoints field;
+  std::vector<LocalPoint> print;
   std::array<FaceOutline, 2> faces;  ///< by Face
   Slides slides;
 

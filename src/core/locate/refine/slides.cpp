@@ -79,13 +79,15 @@ Slides::Slides(const std::vector<LocalPoint>& shape) {
     const double most = mostly * kFar > kStays ? kStays / mostly : kFar;
     if (most * moves.back() > kAligned) motions_.push_back({direction, most, moves.back()});
   }
+  std::vector<LocalPoint> telling;
   for (const auto& p : shape) {
     if (std::any_of(motions_.begin(), motions_.end(), [&](const Motion& m) {
           return std::abs(jacobian(p).dot(m.direction)) > kTelling;
         }))
-      telling_.push_back(p);
+      telling.push_back(p);
   }
-  if (telling_.size() < kFew) motions_.clear();
+  if (telling.size() < kFew) motions_.clear();
+  telling_ = telling;
 }
 
 std::vector<SlidPose> Slides::peaks(const Field& field, double radius,

@@ -9,8 +9,7 @@
 /// at the ends and the holes, which alone tell, see the edges of others there. So these motions are
 /// searched through, by the telling points, in the distance field.
 
-#include "image/edge_map.h"
-#include "part/outline_view.h"
+#include "locate/refine/field_points.h"
 
 #include <vector>
 
@@ -43,7 +42,7 @@ class Slides {
     double fastest;             // radii by which any point moves at most, per amount
   };
   std::vector<Motion> motions_;
-  std::vector<LocalPoint> telling_;
+  FieldPoints telling_;
 };
 
 }  // namespace planar_bin_picking

@@ -61,8 +61,9 @@ void PruningThresholds::set(int column, int count, int votes) {
   std::fill_n(first_.begin() + column, count, first);
 }
 
-PBP_SIMD
-static bool anyAbove(const ByteVector& a, const ByteVector& b, const std::uint8_t* thresholds) {
+/// These two are inline so that they are compiled as the function that calls them.
+static inline bool anyAbove(const ByteVector& a, const ByteVector& b,
+                            const std::uint8_t* thresholds) {
   ByteVector u, v;
   std::memcpy(&u, thresholds, sizeof u);
   std::memcpy(&v, thresholds + sizeof u, sizeof v);
@@ -72,9 +73,8 @@ static bool anyAbove(const ByteVector& a, const ByteVector& b, const std::uint8_
   return (words[0] | words[1] | words[2] | words[3]) != 0;
 }
 
-PBP_SIMD
-static void addPoints(const std::uint8_t* base, const std::int32_t* offsets, int count,
-                      ByteVector* a, ByteVector* b) {
+static inline void addPoints(const std::uint8_t* base, const std::int32_t* offsets, int count,
+                             ByteVector* a, ByteVector* b) {
   ByteVector s = *a, t = *b;
   for (int i = 0; i < count; ++i) {
     ByteVector u, v;
@@ -87,19 +87,27 @@ static void addPoints(const std::uint8_t* base, const std::int32_t* offsets, int
   *b = t;
 }
 
+/// @param first, best  thresholds after the first third and after all
+PBP_SIMD
+static bool sumWhereAbove(const std::uint8_t* base, const Offsets& offsets,
+                          const std::uint8_t* first, const std::uint8_t* best, std::uint8_t* sums) {
+  const int third = offsets.count / 3;
+  ByteVector a = {}, b = {};
+  addPoints(base, offsets.begin, third, &a, &b);
+  if (!anyAbove(a, b, first)) return false;
+  addPoints(base, offsets.begin + third, offsets.count - third, &a, &b);
+  if (!anyAbove(a, b, best)) return false;
+  std::memcpy(sums, &a, sizeof a);
+  std::memcpy(sums + sizeof a, &b, sizeof b);
+  return true;
+}
+
 bool sumChunk(const std::uint8_t* base, const Offsets& offsets, const PruningThresholds& thresholds,
               int column, std::array<std::uint8_t, kChunk>* sums) {
   static_assert(sizeof(ByteVector) * 2 == kChunk, "a chunk is two vectors");
   static_assert(kMaxPoints * kMaxVote < 256, "sums fit into a byte");
-  const int third = offsets.count / 3;
-  ByteVector a = {}, b = {};
-  addPoints(base, offsets.begin, third, &a, &b);
-  if (!anyAbove(a, b, thresholds.first_.data() + column)) return false;
-  addPoints(base, offsets.begin + third, offsets.count - third, &a, &b);
-  if (!anyAbove(a, b, thresholds.best_.data() + column)) return false;
-  std::memcpy(sums->data(), &a, sizeof a);
-  std::memcpy(sums->data() + sizeof a, &b, sizeof b);
-  return true;
+  return sumWhereAbove(base, offsets, thresholds.first_.data() + column,
+                       thresholds.best_.data() + column, sums->data());
 }
 
 }  // namespace planar_bin_picking
