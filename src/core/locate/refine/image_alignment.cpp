@@ -3,11 +3,13 @@
 #include "locate/refine/image_alignment.h"
 
 #include "base/scatter.h"
+#include "base/simd.h"
 #include "locate/refine/levenberg_marquardt.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace planar_bin_picking {
@@ -172,20 +174,94 @@ std::vector<Row> associate(const EdgeMap& edges, const Camera& camera,
   return rows;
 }
 
-NormalEquations normalEquations(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
-  NormalEquations out;
-  const double inv2 = 1.0 / (tukey_px * tukey_px);
-  for (const auto& row : rows) {
-    const double r = row.J.dot(xi) - row.offset;
-    const double e = 1.0 - r * r * inv2;
-    if (e <= 0.0) {
-      out.cost += row.trust;
-      continue;
+namespace {
+
+/// The rows by component, and what they weigh.
+class RowLanes {
+ public:
+  static constexpr int kColumns = 6, kLanes = 16;
+  explicit RowLanes(const std::vector<Row>& rows)
+      : size_((static_cast<int>(rows.size()) + kLanes - 1) / kLanes * kLanes),
+        values_(static_cast<std::size_t>(kKinds * size_), 0.0) {
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      for (int i = 0; i < kColumns; ++i) at(kJacobian + i)[k] = rows[k].J(i);
+      at(kOffset)[k] = rows[k].offset;
+      at(kTrust)[k] = rows[k].trust;
     }
-    out.cost += row.trust * (1.0 - e * e * e);
-    out.add(row.J, r, row.trust * e * e);
   }
+  /// Tukey's biweight.
+  NormalEquations equationsAt(const Vector6d& xi, double tukey_px);
+
+ private:
+  enum {
+    kJacobian,
+    kWeighted = kColumns,
+    kOffset = 2 * kColumns,
+    kTrust,
+    kResidual,
+    kCost,
+    kUsed,
+    kKinds
+  };
+  double* at(int kind) { return values_.data() + kind * size_; }
+  int size_;  // rows that weigh nothing fill the last lanes
+  std::vector<double> values_;
+};
+
+}  // namespace
+
+/// @param rows  the columns of J, then those of J times weight, each `n` rows long
+PBP_SIMD
+static void weigh(const double* offset, const double* trust, int n, const Vector6d& xi_at,
+                  double inv_tukey2, double* rows, double* residual, double* cost, double* used) {
+  constexpr int kLanes = RowLanes::kLanes;
+  const double x0 = xi_at(0), x1 = xi_at(1), x2 = xi_at(2), x3 = xi_at(3), x4 = xi_at(4),
+               x5 = xi_at(5);
+  std::array<double, kLanes> off, lost, weight;  // apart from the rows: no store changes those
+  for (int first = 0; first < n; first += kLanes) {
+    const double *J0 = rows + first, *J1 = J0 + n, *J2 = J1 + n, *J3 = J2 + n, *J4 = J3 + n,
+                 *J5 = J4 + n, *o = offset + first, *t = trust + first;
+    for (int k = 0; k < kLanes; ++k) {
+      const double r =
+          J0[k] * x0 + J1[k] * x1 + J2[k] * x2 + J3[k] * x3 + J4[k] * x4 + J5[k] * x5 - o[k];
+      const double e = 1.0 - r * r * inv_tukey2, near = 0.5 * (e + std::abs(e));  // or 0: outlier
+      off[k] = r;
+      lost[k] = t[k] * (1.0 - near * near * near);
+      weight[k] = t[k] * near * near;
+    }
+    std::copy(off.begin(), off.end(), residual + first);
+    std::copy(lost.begin(), lost.end(), cost + first);
+    for (int i = 0; i < RowLanes::kColumns; ++i) {
+      const double* const J = rows + i * n + first;
+      double* const weighted = rows + (RowLanes::kColumns + i) * n + first;
+      for (int k = 0; k < kLanes; ++k) weighted[k] = weight[k] * J[k];
+    }
+    for (int k = 0; k < kLanes; ++k) used[first + k] = weight[k] > 0.0 ? 1.0 : 0.0;
+  }
+}
+
+PBP_SIMD
+static void sumUp(const double* rows, const double* residual, int n, NormalEquations* out) {
+  const double* const weighted = rows + RowLanes::kColumns * n;
+  for (int i = 0; i < RowLanes::kColumns; ++i) {
+    out->b(i) = dot(weighted + i * n, residual, n);
+    for (int j = 0; j <= i; ++j)
+      out->H(i, j) = out->H(j, i) = dot(weighted + i * n, rows + j * n, n);
+  }
+}
+
+NormalEquations RowLanes::equationsAt(const Vector6d& xi, double tukey_px) {
+  NormalEquations out;
+  weigh(at(kOffset), at(kTrust), size_, xi, 1.0 / (tukey_px * tukey_px), at(kJacobian),
+        at(kResidual), at(kCost), at(kUsed));
+  sumUp(at(kJacobian), at(kResidual), size_, &out);
+  out.cost = std::accumulate(at(kCost), at(kCost) + size_, 0.0);
+  out.used = static_cast<int>(std::accumulate(at(kUsed), at(kUsed) + size_, 0.0));
   return out;
+}
+
+NormalEquations normalEquations(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px) {
+  return RowLanes(rows).equationsAt(xi, tukey_px);
 }
 
 ImagePose imagePoseAt(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
@@ -221,9 +297,10 @@ static Steps stepsOf(const EdgeMap& edges, const Camera& camera,
   params.evaluations = kEvaluations;
   params.width = params.width_end = tukey_px;
   params.gain_least = kGainLeast * static_cast<double>(out.rows.size());
+  RowLanes lanes(out.rows);
   out.xi = minimise(
       Vector6d(Vector6d::Zero()), params,
-      [&](const Vector6d& at, int, double width) { return normalEquations(out.rows, at, width); },
+      [&](const Vector6d& at, int, double width) { return lanes.equationsAt(at, width); },
       [](const Vector6d& at, const Vector6d& step) -> Vector6d {
         return (at + step).cwiseMax(-kStepMost).cwiseMin(kStepMost);
       });
