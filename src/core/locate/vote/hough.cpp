@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <locale>
 #include <sstream>
 #include <stdexcept>
@@ -200,7 +201,7 @@ struct Bin {
   int votes = 0, view = -1, row = 0, col = 0;
 };
 
-/// The best bins of a row of tiles, by tile and yaw sector; of equal ones the first.
+/// The best bins of a row of tiles, by tile and yaw sector; of equal ones that of the first view.
 class TileRow {
  public:
   TileRow(const VotePlanes& planes, int tile, int floor)
@@ -209,10 +210,14 @@ class TileRow {
     thresholds_.resize(2 * kYawSectors, PruningThresholds(pitch_, floor));
   }
   const PruningThresholds& thresholds(int sector) const { return thresholds_[sector]; }
+  /// @pre above the threshold
   void add(const Bin& found, int sector) {
     const int column = found.col / tile_;
-    bins_[static_cast<std::size_t>(sector) * columns_ + column] = found;
-    thresholds_[sector].set(column * tile_, tile_, found.votes);
+    Bin& best = bins_[static_cast<std::size_t>(sector) * columns_ + column];
+    if (found.votes == best.votes && found.view >= best.view) return;
+    best = found;
+    // Of as many votes an earlier view may come in a later round.
+    thresholds_[sector].set(column * tile_, tile_, found.votes - 1);
   }
   const std::vector<Bin>& bins() const { return bins_; }
 
@@ -243,25 +248,55 @@ void vote(const VotePlanes& planes, const Layouts& layouts, int row0, int row1, 
   }
 }
 
-/// The best bins of all tiles, most votes first.
-std::vector<Bin> bestBins(const VotePlanes& planes, const std::vector<View>& views,
-                          const Layouts& layouts, int floor, int tile, int threads) {
-  const int rows = (planes.rows + tile - 1) / tile;
-  std::vector<std::vector<Bin>> found(rows);
-  parallelFor(rows, threads, [&](int r) {
+/// Views whose index leaves this remainder, looked at in one round.
+struct Round {
+  std::size_t divisor, remainder;
+};
+/// A few views from all over first: what they find tells how many votes it takes to be among the
+/// candidates, and saves most of the work on the rest.
+constexpr std::array<Round, 4> kRounds = {{{8, 0}, {8, 4}, {4, 2}, {2, 1}}};
+
+/// The best bins of all tiles, row of tiles after row.
+using Bins = std::vector<std::vector<Bin>>;
+
+/// Looks at more views.
+/// @param floor  votes of a bin at least; of those before only bins that have as many are left
+void lookAt(const Round& round, const VotePlanes& planes, const std::vector<View>& views,
+            const Layouts& layouts, int floor, int tile, int threads, Bins* bins) {
+  parallelFor(static_cast<int>(bins->size()), threads, [&](int r) {
+    std::vector<Bin>& found = (*bins)[static_cast<std::size_t>(r)];
     TileRow tiles(planes, tile, floor);
-    for (std::size_t v = 0; v < views.size(); ++v) {
+    for (const Bin& b : found)
+      if (b.votes >= floor) tiles.add(b, views[b.view].sector);
+    for (std::size_t v = round.remainder; v < views.size(); v += round.divisor)
       vote(planes, layouts, r * tile, (r + 1) * tile, static_cast<int>(v), views[v].sector, &tiles);
-    }
-    for (const Bin& b : tiles.bins()) {
-      if (b.view >= 0) found[r].push_back(b);
-    }
+    found.clear();
+    for (const Bin& b : tiles.bins())
+      if (b.view >= 0) found.push_back(b);
   });
+}
+
+/// Most votes first; of equal ones in the order of the rows.
+std::vector<Bin> sorted(const Bins& bins, int floor) {
   std::vector<Bin> out;
-  for (const auto& bins : found) out.insert(out.end(), bins.begin(), bins.end());
+  for (const auto& row : bins)
+    std::copy_if(row.begin(), row.end(), std::back_inserter(out),
+                 [floor](const Bin& b) { return b.votes >= floor; });
   std::stable_sort(out.begin(), out.end(),
                    [](const Bin& a, const Bin& b) { return a.votes > b.votes; });
   return out;
+}
+
+/// Votes that so many bins have at least; `floor` where there are fewer.
+int votesOf(int count, const Bins& bins, int floor) {
+  std::array<int, kMaxPoints * kMaxVote + 1> by_votes{};
+  for (const auto& row : bins)
+    for (const Bin& b : row) ++by_votes[b.votes];
+  for (int votes = kMaxPoints * kMaxVote; votes > floor; --votes) {
+    count -= by_votes[votes];
+    if (count <= 0) return votes;
+  }
+  return floor;
 }
 
 /// A foreshortened view is that of two planes.
@@ -287,6 +322,34 @@ void addCandidates(const Bin& bin, const View& view, const HoughTask& task,
   }
 }
 
+/// The candidates of the best bins.
+struct Best {
+  std::vector<Candidate> candidates;
+  int floor;  ///< votes that it took to be one of them
+};
+
+/// @param floor  votes of a bin at least
+Best bestOf(const Bins& bins, const std::vector<View>& views, const HoughTask& task,
+            const HoughParams& params, const Field& field, const VotePlanes& planes, double most,
+            int floor) {
+  Best out;
+  // Nearly always as many bins are enough; few of these give none.
+  for (const int least : {votesOf(params.max_candidates, bins, floor), floor}) {
+    out = {{}, floor};
+    int last = floor;
+    for (const Bin& bin : sorted(bins, least)) {
+      // A bin gives up to two candidates, and the limit holds for both.
+      if (out.candidates.size() + 2 > static_cast<std::size_t>(params.max_candidates)) {
+        out.floor = last;
+        return out;
+      }
+      addCandidates(bin, views[bin.view], task, params, field, planes, most, &out.candidates);
+      last = bin.votes;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& task,
@@ -310,18 +373,18 @@ std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& tas
   });
 
   const double most = kMaxVote * static_cast<double>(points.size());
-  const int floor = static_cast<int>(std::ceil(params.votes_min * most));
   // Slender parts lie side by side within one radius; each needs a tile of its own.
   const int tile = std::max(
       1,
       static_cast<int>(std::lround(params.tile_cells * grainOf(*task.part) / task.part->radius())));
-  std::vector<Candidate> out;
-  for (const Bin& bin : bestBins(planes, views, layouts, floor, tile, threads)) {
-    // A bin gives up to two candidates, and the limit holds for both.
-    if (out.size() + 2 > static_cast<std::size_t>(params.max_candidates)) break;
-    addCandidates(bin, views[bin.view], task, params, field, planes, most, &out);
+  Bins bins(static_cast<std::size_t>((planes.rows + tile - 1) / tile));
+  Best best{{}, static_cast<int>(std::ceil(params.votes_min * most))};
+  for (const Round& round : kRounds) {
+    lookAt(round, planes, views, layouts, best.floor, tile, threads, &bins);
+    // Bins only get more votes: what is too few now stays too few.
+    best = bestOf(bins, views, task, params, field, planes, most, best.floor);
   }
-  return out;
+  return best.candidates;
 }
 
 }  // namespace planar_bin_picking
