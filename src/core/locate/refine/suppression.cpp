@@ -29,19 +29,20 @@ std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& po
     return poses[a].inlier_score > poses[b].inlier_score;
   });
   std::vector<std::size_t> kept;
-  std::vector<int> count(outlines.size(), 0);
+  std::vector<std::vector<std::size_t>> kept_of(outlines.size());  // by part
   for (const std::size_t i : order) {
     const PoseHypothesis& p = poses[i];
-    if (count[p.part] >= (p.inlier_score < score_min ? limits.least : limits.most)) continue;
-    const bool duplicate = std::any_of(kept.begin(), kept.end(), [&](std::size_t j) {
+    auto& others = kept_of[p.part];
+    const int most = p.inlier_score < score_min ? limits.least : limits.most;
+    if (static_cast<int>(others.size()) >= most) continue;
+    const bool duplicate = std::any_of(others.begin(), others.end(), [&](std::size_t j) {
       const PoseHypothesis& k = poses[j];
-      return k.part == p.part && k.face == p.face &&
-             poseDistance(*outlines[p.part].part, k.T_camera_part, p.T_camera_part, p.face) <
-                 distance;
+      return k.face == p.face && poseDistance(*outlines[p.part].part, k.T_camera_part,
+                                              p.T_camera_part, p.face) < distance;
     });
     if (duplicate) continue;
     kept.push_back(i);
-    ++count[p.part];
+    others.push_back(i);
   }
   return kept;
 }
