@@ -59,6 +59,23 @@ struct Marks {
   cv::Mat_<std::uint8_t> is_faint;   ///< whether it may be texture
 };
 
+}  // namespace
+
+/// Gradients along x and y and their squared length at columns 1 to w - 2 of the middle of three
+/// rows.
+PBP_SIMD
+static void gradients(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below,
+                      int w, int* __restrict dx, int* __restrict dy, int* __restrict squared) {
+  for (int x = 1; x < w - 1; ++x) {
+    const Scharr gradient(above, row, below, x);
+    dx[x] = gradient.h;
+    dy[x] = gradient.v;
+    squared[x] = gradient.squared();
+  }
+}
+
+namespace {
+
 /// Ridge of the Scharr gradient above the noise, in rows y0 to y1.
 void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const Texture& texture,
                 const EdgesParams& params, int y0, int y1, Marks* marks) {
@@ -81,13 +98,7 @@ void markEdgels(const cv::Mat& grey, const std::array<float, 256>& noise, const 
     }
     const auto *a = grey.ptr<std::uint8_t>(y - 1), *b = grey.ptr<std::uint8_t>(y),
                *c = grey.ptr<std::uint8_t>(y + 1);
-    int *const dx = gx[slot], *const dy = gy[slot], *const m = mag[slot];
-    for (int x = 1; x < w - 1; ++x) {
-      const Scharr gradient(a, b, c, x);
-      dx[x] = gradient.h;
-      dy[x] = gradient.v;
-      m[x] = gradient.squared();
-    }
+    gradients(a, b, c, w, gx[slot], gy[slot], mag[slot]);
   };
   gradient(y0 - 1, 0);
   gradient(y0, 1);

@@ -22,28 +22,28 @@ constexpr double kQuantile = 0.35;
 
 }  // namespace
 
-/// Strength of Scharr's response at columns 1 to w - 2 of the middle of three rows.
+/// Adds the strength of Scharr's response at columns 1 to w - 2 of the middle of three rows.
 PBP_SIMD
-static void strengths(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below,
-                      int w, float* out) {
+static void addStrengths(const std::uint8_t* above, const std::uint8_t* row,
+                         const std::uint8_t* below, int w, float* sums) {
   for (int x = 1; x < w - 1; ++x)
-    out[x] = std::sqrt(static_cast<float>(Scharr(above, row, below, x).squared()));
+    sums[x] += std::sqrt(static_cast<float>(Scharr(above, row, below, x).squared()));
 }
 
 Texture::Texture(const cv::Mat& grey, int threads) {
   const int rows = std::max(1, grey.rows / kBlock), cols = std::max(1, grey.cols / kBlock);
   cv::Mat_<float> mean(rows, cols, 0.0f);
   parallelFor(rows, threads, [&](int row) {
-    std::vector<float> line(static_cast<std::size_t>(grey.cols), 0.0f);
+    std::vector<float> sums(static_cast<std::size_t>(grey.cols), 0.0f);  // by column
     for (int k = 0; k < kBlock; k += kRowStep) {
       const int y = std::max(1, row * kBlock + k);
       if (y + 1 >= grey.rows) break;
-      strengths(grey.ptr(y - 1), grey.ptr(y), grey.ptr(y + 1), grey.cols, line.data());
-      for (int col = 0; col < cols; ++col) {
-        const auto block = line.begin() + col * kBlock;
-        const auto end = block + std::min(kBlock, grey.cols - col * kBlock);
-        mean(row, col) += std::accumulate(block, end, 0.0f) / (kBlock * kBlock / kRowStep);
-      }
+      addStrengths(grey.ptr(y - 1), grey.ptr(y), grey.ptr(y + 1), grey.cols, sums.data());
+    }
+    for (int col = 0; col < cols; ++col) {
+      const auto block = sums.begin() + col * kBlock;
+      const auto end = block + std::min(kBlock, grey.cols - col * kBlock);
+      mean(row, col) = std::accumulate(block, end, 0.0f) / (kBlock * kBlock / kRowStep);
     }
   });
   level_.create(rows, cols);
