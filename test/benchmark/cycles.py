@@ -6,6 +6,7 @@ services, and prints the table.
 
     ./run bench cycles [--cycles 100] [--parts bracket linkarm ...] [--lights diffuse ring side]
     ./run bench cycles --empty --cycles 400     bins are emptied as far as it goes
+    ./run bench cycles --bayer RGGB --jpeg-quality 90     a colour camera's demosaiced pictures, through JPEG
 
 Each row is one run of launch/cycle_demo.launch with a ROS master of its own. Results stay in
 build/bench/cycles/; --keep prints those that are there and runs the rest.
@@ -34,6 +35,8 @@ def parse_arguments():
     parser.add_argument("--count", type=int, default=20, help="parts in a full bin")
     parser.add_argument("--seed", type=int, default=1, help="of the first bin; the next has the next")
     parser.add_argument("--megapixels", type=float, default=5.0)
+    parser.add_argument("--bayer", default="", help="pattern of a colour camera's filters, such as RGGB")
+    parser.add_argument("--jpeg-quality", type=int, default=0, help="1 to 100; 0: no JPEG")
     parser.add_argument("--empty", action="store_true", help="empty each bin as far as it goes")
     parser.add_argument("--keep", action="store_true", help="do not run again what has a result")
     parser.add_argument("--save", type=Path, help="folder for pictures and truth of what went wrong")
@@ -54,6 +57,7 @@ def run(part, light, result, arguments):
     command = ["roslaunch", "-p", str(port), "planar_bin_picking", "cycle_demo.launch", "rviz:=false",
                f"part:={part}", f"light:={light}", f"count:={arguments.count}",
                f"seed:={arguments.seed}", f"megapixels:={arguments.megapixels}",
+               f"bayer:={arguments.bayer}", f"jpeg_quality:={arguments.jpeg_quality}",
                "program:=cycle_statistics.py",
                f"program_args:=--cycles {arguments.cycles} --refill-below {refill} --output {result}{save}"]
     environment = dict(os.environ, ROS_MASTER_URI=f"http://localhost:{port}")
@@ -83,6 +87,8 @@ def main():
     for part in arguments.parts:
         for light in arguments.lights:
             kind = "empty" if arguments.empty else "full"
+            if arguments.bayer or arguments.jpeg_quality:
+                kind += f"_{arguments.bayer or 'grey'}_{arguments.jpeg_quality}"
             result = arguments.output / f"{part}_{light}_{kind}.yaml"
             if not (arguments.keep and result.exists()):
                 result.unlink(missing_ok=True)

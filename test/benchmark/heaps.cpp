@@ -5,6 +5,7 @@
 /// README.md's heaps.
 ///
 ///     ./run bench heaps [--heaps 2] [--seed 1] [--shapes comb ...] [--megapixels 1.3 5]
+///         [--bayer RGGB] [--jpeg-quality 90]
 ///
 /// Lights, metals and picture sizes go round the heaps. Correct is as the scenes' evaluation has
 /// it: within 2 mm aside, 8 mm in depth, 2 degrees and 6 degrees of tilt of a part not taken yet.
@@ -39,6 +40,7 @@ struct Options {
   int heaps = 2, seed = 1;
   std::vector<std::string> shapes;  ///< empty = all
   std::vector<double> megapixels = {1.3, 5.0};
+  cell::Encoding encoding;  ///< of all pictures
 };
 
 using Errors = std::array<double, 4>;
@@ -197,6 +199,7 @@ void run(const Options& options) {
       config.light = kLights[(s + h) % 3];
       config.material = kMetals[(s / 3 + h) % 3];
       config.seed = static_cast<std::uint64_t>(options.seed + 100 * h) + 1000 * s;
+      config.sensor.encoding = options.encoding;
       config.lens = cell::lensOver(config.bin, kHeight,
                                    options.megapixels[(s + h) % options.megapixels.size()]);
       tally.add(count(kind, part, foreign, config));
@@ -226,6 +229,10 @@ Options parse(int argc, char** argv) {
       out.seed = std::stoi(values[0]);
     } else if (name == "--shapes") {
       out.shapes = values;
+    } else if (name == "--bayer") {
+      out.encoding.bayer = values[0];
+    } else if (name == "--jpeg-quality") {
+      out.encoding.jpeg_quality = std::stoi(values[0]);
     } else if (name == "--megapixels") {
       out.megapixels.clear();
       for (const auto& value : values) out.megapixels.push_back(std::stod(value));
@@ -233,6 +240,7 @@ Options parse(int argc, char** argv) {
       throw std::invalid_argument("unknown option " + name);
     }
   }
+  check(out.encoding);
   return out;
 }
 

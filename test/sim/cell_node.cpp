@@ -13,6 +13,10 @@
 /// - truth (LocatedParts, latched): what lies where, for the tester alone; `picks` has the poses
 ///   that look the same
 ///
+/// The camera is a grey one. `bayer` (RGGB, GRBG, GBRG or BGGR) makes it a colour camera, whose
+/// picture is demosaiced and made grey again; `jpeg_quality` (1 .. 100) sends its pictures through
+/// JPEG.
+///
 /// Frames: base -> flange -> tool, and base -> camera or flange -> camera.
 ///
 /// Where robot_noise_mm or robot_noise_deg is set (standard deviations per axis), the flange is a
@@ -64,9 +68,13 @@ geometry_msgs::TransformStamped stamped(const std::string& parent, const std::st
   return message;
 }
 
+/// @throws std::invalid_argument  it is there and of another type
 template <class Value>
 Value param(const std::string& name, const Value& otherwise) {
-  return ros::param::param<Value>("~" + name, otherwise);
+  Value value = otherwise;
+  if (!ros::param::get("~" + name, value) && ros::param::has("~" + name))
+    throw std::invalid_argument("~" + name + " has another type than it must have");
+  return value;
 }
 
 std::vector<std::string> words(const std::string& text) {
@@ -91,6 +99,8 @@ CellConfig loadConfig(double camera_height) {
   config.light = param<std::string>("light", "diffuse");
   config.material = param<std::string>("material", "rolled");
   config.seed = static_cast<std::uint64_t>(param<int>("seed", 1));
+  config.sensor.encoding = {param<std::string>("bayer", ""), param<int>("jpeg_quality", 0)};
+  check(config.sensor.encoding);
   config.lens = lensOver(config.bin, camera_height, param<double>("megapixels", 1.3));
   return config;
 }

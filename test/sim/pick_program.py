@@ -175,6 +175,7 @@ class Locator:
             elif answer.looks and answer.looks[0].look == PartLook.NOT_SEEN:
                 return part
             else:
+                rospy.logwarn("refine_part: %s", answer.message)
                 part = None
         return part
 

@@ -213,6 +213,7 @@ cv::Mat_<float> Eye::look(const Raycaster& world, const Looks& looks, const Lamp
 
 cv::Mat expose(const cv::Mat_<float>& light, const Sensor& sensor, double seconds,
                std::uint64_t seed) {
+  check(sensor.encoding);
   cv::Mat_<float> blurred;
   if (sensor.blur_px > 0.0) {
     cv::GaussianBlur(light, blurred, {}, sensor.blur_px);
@@ -225,13 +226,15 @@ cv::Mat expose(const cv::Mat_<float>& light, const Sensor& sensor, double second
     Dice random(seed * 1000003u + static_cast<std::uint64_t>(y) * 7919u);
     auto* row = out.ptr<std::uint8_t>(y);
     for (int x = 0; x < light.cols; ++x) {
-      const double expected = electrons * blurred(y, x);
+      // The camera multiplies what a filter lets through until white looks white, noise and all.
+      const double share = filterShare(sensor.encoding, x, y);
+      const double expected = share * electrons * blurred(y, x);
       const double sigma = std::sqrt(expected + sensor.read_noise * sensor.read_noise);
-      const double value = (expected + sigma * random.normal()) * 255.0 / sensor.full_well;
+      const double value = (expected + sigma * random.normal()) / share * 255.0 / sensor.full_well;
       row[x] = static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));
     }
   });
-  return out;
+  return encode(out, sensor.encoding);
 }
 
 double exposureFor(const cv::Mat_<float>& light, const Sensor& sensor, double percentile) {

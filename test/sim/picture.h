@@ -9,6 +9,7 @@
 /// in a fine picture, and shared between neighbours on the same surface; pixels at edges get nine
 /// rays, so that edges are true to a small part of a pixel.
 
+#include "sim/encoding.h"
 #include "sim/lens.h"
 #include "sim/light.h"
 #include "sim/print_image.h"
@@ -49,6 +50,7 @@ struct Sensor {
   double full_well = 10000.0;       ///< electrons
   double read_noise = 5.0;          ///< electrons
   double light_per_second = 100.0;  ///< 1 of light fills the well in 1 / this
+  Encoding encoding{};              ///< what the camera makes of the pixels
 };
 
 /// 8 bit, linear, saturated at the full well.

@@ -128,6 +128,7 @@ SimulatedCell::SimulatedCell(const CellConfig& config, std::vector<PartKind> kin
       world_(allMeshes(kinds_, config.bin)) {
   if (config_.counts.size() != kinds_.size())
     throw std::invalid_argument("there must be one count for each kind of part");
+  check(config_.sensor.encoding);
   for (const PartKind& kind : kinds_) prints_.emplace_back(kind.fine);
   refill(config.seed);
 }
