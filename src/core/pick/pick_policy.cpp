@@ -271,8 +271,9 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
   if (const auto unsure = unsureOf(candidate, params_))
     return refuse(PickRefusal::kNeedsView, *unsure);
   if (offer.failures >= params_.failures_max) {
-    return refuse(PickRefusal::kFailedBefore,
-                  format("%d picks failed here, and the scene is as it was", offer.failures));
+    return refuse(
+        PickRefusal::kFailedBefore,
+        format("%d picks or looks failed here, and the scene is as it was", offer.failures));
   }
   return barred;
 }

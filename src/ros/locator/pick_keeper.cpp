@@ -263,12 +263,18 @@ void PickKeeper::keep(Open answer, const std::vector<planar_bin_picking::PartPtr
 }
 
 void PickKeeper::replace(Open answer, const std::vector<FormerPart>& former) {
-  const auto was = [&former](const Kept& kept) {
-    return std::any_of(former.begin(), former.end(), [&](const FormerPart& part) {
+  const auto formerOf = [&former](const Kept& kept) {
+    return std::find_if(former.begin(), former.end(), [&](const FormerPart& part) {
       return part.child_frame == kept.located.child_frame &&
              part.stamp == kept.located.header.stamp;
     });
   };
+  const auto was = [&](const Kept& kept) { return formerOf(kept) != former.end(); };
+  // Found there again, it comes last: or the program would look at it twice for ever.
+  for (const Open& older : open_) {
+    for (const Kept& kept : older.parts)
+      if (was(kept) && formerOf(kept)->gone) policy_.fail(kept.candidate);
+  }
   for (Open& older : open_) {
     if (older.caller != answer.caller || std::none_of(older.parts.begin(), older.parts.end(), was))
       continue;

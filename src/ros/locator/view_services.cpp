@@ -210,7 +210,7 @@ void ViewServices::offerRefined(const std::string& caller, Answer answer, const 
   for (const auto* parts : {&seen.agreed, &seen.gone}) {
     for (const KeptPart& kept : *parts) {
       answer.parts.push_back(kept.part);
-      answer.former->push_back({kept.stamp, kept.child_frame});
+      answer.former->push_back({kept.stamp, kept.child_frame, parts == &seen.gone});
     }
   }
   if (answer.parts.empty()) return;

@@ -320,7 +320,7 @@ TEST(PickPolicy, EachLimitIsAllowedItself) {
   policy.fail(candidateAt(0, 0));
   const auto plan = policy.plan({candidateAt(0, 0)}, std::nullopt);
   ASSERT_EQ(plan.refused.size(), 1u);
-  EXPECT_EQ(plan.refused[0].text, "1 picks failed here, and the scene is as it was");
+  EXPECT_EQ(plan.refused[0].text, "1 picks or looks failed here, and the scene is as it was");
 }
 
 TEST(PickPolicy, AFailureIsThatOfOnePartAtOnePlace) {

@@ -33,6 +33,7 @@ struct FirstPicture {
 struct FormerPart {
   ros::Time stamp;
   std::string child_frame;  ///< empty where it was not offered
+  bool gone = false;        ///< a further look did not bear it out
 };
 
 struct Answer {
