@@ -45,6 +45,8 @@ double points(const PickPlace& place, const PickOrder& order);
 
 /// Indices, most points first; parts with as many stay as given, and so do all where no weight is
 /// set.
-std::vector<std::size_t> ordered(const std::vector<PickPlace>& places, const PickOrder& order);
+/// @param is_ranked  they are given by their rank
+std::vector<std::size_t> ordered(const std::vector<PickPlace>& places, const PickOrder& order,
+                                 bool is_ranked = true);
 
 }  // namespace planar_bin_picking

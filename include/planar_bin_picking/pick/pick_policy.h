@@ -91,6 +91,7 @@ enum class PickRefusal {
 /// The face of a part that is up, and what is seen to cover it (src/core/locate/judge/occlusion.h).
 struct PickFace {
   Eigen::Isometry3d T_target_part = Eigen::Isometry3d::Identity();
+  Face up = Face::kFront;
   std::vector<Eigen::Vector2d> covered;  ///< middles of the cells that something covers, part frame
   double cell_size = 0.0;                ///< metres
 };
@@ -134,7 +135,8 @@ struct PickPlan {
     std::vector<std::size_t> picks;
     int failures = 0;
   };
-  /// By PickParams::order, or else as given; what failed before comes last.
+  /// By PickParams::order, or else as given, but for those on which other parts lie more than the
+  /// picture shows; what failed before comes last.
   std::vector<Offer> offers;
   std::vector<Refused> refused;  ///< as given; those beyond the number asked for at the end
 };
@@ -160,7 +162,7 @@ class PickPolicy {
   /// @param bin         nothing: neither the box nor its walls are looked at
   /// @param max_parts   offered at most; 0 = all
   /// Failures whose scene has changed are forgotten.
-  PickPlan plan(const std::vector<PickCandidate>& candidates, const std::optional<PickBin>& bin,
+  PickPlan plan(std::vector<PickCandidate> candidates, const std::optional<PickBin>& bin,
                 std::size_t max_parts = 0);
 
   void fail(const PickCandidate& candidate);

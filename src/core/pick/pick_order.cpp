@@ -14,10 +14,11 @@ double points(const PickPlace& place, const PickOrder& order) {
          order.walls * std::min(place.wall_distance, kWallFarthest) - order.clockwise * place.turn;
 }
 
-std::vector<std::size_t> ordered(const std::vector<PickPlace>& places, const PickOrder& order) {
+std::vector<std::size_t> ordered(const std::vector<PickPlace>& places, const PickOrder& order,
+                                 const bool is_ranked) {
   std::vector<std::size_t> indices(places.size());
   std::iota(indices.begin(), indices.end(), std::size_t{0});
-  if (order.isRank()) return indices;
+  if (is_ranked && order.isRank()) return indices;
   std::stable_sort(indices.begin(), indices.end(), [&](const std::size_t a, const std::size_t b) {
     return points(places[a], order) > points(places[b], order);
   });

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planar_bin_picking/pick/pick_policy.h"
 
+#include "planar_bin_picking/pick/overlap.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -130,9 +133,10 @@ struct RangeCheck {
 };
 
 /// What the order looks at.
-PickPlace placeOf(const PickCandidate& candidate, const std::optional<PickBin>& bin) {
+PickPlace placeOf(const PickCandidate& candidate, const double visible,
+                  const std::optional<PickBin>& bin) {
   PickPlace place;
-  place.rank = candidate.score * candidate.visible_fraction * candidate.visible_fraction;
+  place.rank = candidate.score * visible * visible;
   place.center_target = candidate.center;
   place.height = candidate.center.z();
   if (!bin) return place;
@@ -144,6 +148,35 @@ PickPlace placeOf(const PickCandidate& candidate, const std::optional<PickBin>& 
   place.turn = std::atan2(from_middle.x(), from_middle.y()) / (2.0 * EIGEN_PI);
   if (place.turn < 0.0) place.turn += 1.0;
   return place;
+}
+
+/// Adds to each face's covered cells those over which another of the parts lies.
+/// @return  share of each face that neither the picture nor the other parts show to be covered
+std::vector<double> coverByOthers(std::vector<PickCandidate>* candidates) {
+  std::vector<LyingFace> faces;
+  for (const PickCandidate& c : *candidates)
+    faces.push_back({c.model.get(), c.face.up, c.face.T_target_part, c.face.covered});
+  std::vector<double> visible;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    PickCandidate& own = (*candidates)[i];
+    visible.push_back(own.visible_fraction);
+    if (!own.model) continue;
+    std::set<int> below;
+    for (std::size_t k = 0; k < faces.size(); ++k) {
+      // What another view contradicts is not there.
+      if (k == i || !faces[k].part || (*candidates)[k].withheld == PickRefusal::kContradicted)
+        continue;
+      const auto cells = cellsBelow(faces[i], faces[k]);
+      below.insert(cells.begin(), cells.end());
+    }
+    const FaceGrid& grid = own.model->faceGrid();
+    own.face.cell_size = grid.cellSize();
+    for (const int cell : below)
+      own.face.covered.push_back(grid.cells()[static_cast<std::size_t>(cell)]);
+    const double all = static_cast<double>(std::max<std::size_t>(1, grid.cells().size()));
+    visible.back() = std::min(visible.back(), 1.0 - static_cast<double>(below.size()) / all);
+  }
+  return visible;
 }
 
 }  // namespace
@@ -278,12 +311,17 @@ std::optional<Refused> PickPolicy::refusal(const PickCandidate& candidate,
   return barred;
 }
 
-PickPlan PickPolicy::plan(const std::vector<PickCandidate>& candidates,
-                          const std::optional<PickBin>& bin, std::size_t max_parts) {
+PickPlan PickPolicy::plan(std::vector<PickCandidate> candidates, const std::optional<PickBin>& bin,
+                          std::size_t max_parts) {
   PickPlan plan;
+  const std::vector<double> visible = coverByOthers(&candidates);
   std::vector<PickPlace> places;
-  for (const PickCandidate& candidate : candidates) places.push_back(placeOf(candidate, bin));
-  for (const std::size_t i : ordered(places, params_.order)) {
+  bool as_given = true;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    places.push_back(placeOf(candidates[i], visible[i], bin));
+    as_given = as_given && visible[i] == candidates[i].visible_fraction;
+  }
+  for (const std::size_t i : ordered(places, params_.order, as_given)) {
     PickPlan::Offer offer{i, {}, recall(candidates[i])};
     const auto barred = dropBarred(candidates, bin, &offer);
     const auto refused = refusal(candidates[i], bin, offer, barred);

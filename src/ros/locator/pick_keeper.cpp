@@ -29,6 +29,7 @@ planar_bin_picking::PickFace faceOf(const PartModel& part, const Detection& dete
                                     const Eigen::Isometry3d& T_target_camera) {
   planar_bin_picking::PickFace face;
   face.T_target_part = T_target_camera * detection.T_camera_part;
+  face.up = detection.face;
   for (const int cell : detection.covered) face.covered.push_back(part.faceGrid().cells()[cell]);
   face.cell_size = part.faceGrid().cellSize();
   return face;
