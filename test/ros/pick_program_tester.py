@@ -128,6 +128,16 @@ class PickProgram(unittest.TestCase):
         self.assertAlmostEqual(home[2], 1.0)
         self.assertEqual(self.cell.reports, [("plate_1", True)])
 
+    def test_goes_on_a_little_where_the_cup_finds_no_part(self):
+        self.cell.vacuum = [False, True]
+        self.cycle(Result.PICKED)
+        _, pick, deeper, after, _ = self.cell.moves
+        lean = 0.5 ** 0.5
+        self.assertAlmostEqual(pick[2] - deeper[2], pick_program.SEEK * lean, places=5)
+        self.assertAlmostEqual(abs(pick[1] - deeper[1]), pick_program.SEEK * lean, places=5)
+        self.assertAlmostEqual(after[2] - deeper[2], pick_program.ABOVE, places=5)
+        self.assertEqual(self.cell.reports, [("plate_1", True)])
+
     def test_passes_over_what_it_cannot_reach(self):
         self.cell.answers = [(Status.OK, [located("plate_1", 0.3, 0.4), located("plate_2", 0.5)])]
         self.cell.unreachable = [0.3]
@@ -142,7 +152,7 @@ class PickProgram(unittest.TestCase):
         self.assertEqual(self.cell.suctions, [])
 
     def test_goes_on_where_nothing_is_held_or_a_part_is_lost(self):
-        self.cell.vacuum = [False, True]
+        self.cell.vacuum = [False, False, True]
         self.cycle(Result.NOTHING_HELD, Result.PICKED)
         self.assertEqual(self.cell.reports, [("plate_1", False), ("plate_2", True)])
         self.cell.well()

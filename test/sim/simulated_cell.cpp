@@ -95,8 +95,10 @@ const char* nameOf(PickResult result) {
       return "no part below the cup";
     case PickResult::kLateral:
       return "off the grasp point";
+    case PickResult::kAbove:
+      return "the cup hangs above the part";
     case PickResult::kDepth:
-      return "too high or too deep";
+      return "the tool runs into the part";
     case PickResult::kTilt:
       return "the cup does not lie flat";
     case PickResult::kCovered:
@@ -208,6 +210,7 @@ PickResult SimulatedCell::judge(const Eigen::Isometry3d& T_base_tool, int* id) c
   if (!isPart(hit)) return PickResult::kNothing;
   const Body& body = bodies_[static_cast<std::size_t>(hit->body)];
   *id = body.id;
+  if (hit->distance - kAbove > suction.depth_max) return PickResult::kAbove;
   const Eigen::Vector3d contact =
       T_base_tool.translation() + (hit->distance - kAbove) * T_base_tool.linear().col(2);
   const Eigen::Vector3d x_part = body.T_base_part.inverse() * contact;
@@ -215,7 +218,7 @@ PickResult SimulatedCell::judge(const Eigen::Isometry3d& T_base_tool, int* id) c
   for (const auto& grasp : kind(body.kind).grasps)
     lateral = std::min(lateral, (grasp - x_part.head<2>()).norm());
   if (lateral > suction.lateral_max) return PickResult::kLateral;
-  if (std::abs(hit->distance - kAbove) > suction.depth_max) return PickResult::kDepth;
+  if (kAbove - hit->distance > suction.depth_max) return PickResult::kDepth;
   const double cosine = std::abs(body.T_base_part.linear().col(2).dot(T_base_tool.linear().col(2)));
   if (cosine < std::cos(suction.tilt_max_deg * kPi / 180.0)) return PickResult::kTilt;
   // The rim on the part and nothing else; and nothing that the tool would meet on its way down.
@@ -240,7 +243,8 @@ PickResult SimulatedCell::pick(const Eigen::Isometry3d& T_base_tool) {
   const PickResult result = judge(T_base_tool, &id);
   if (result == PickResult::kPicked) {
     heap_->remove(id);
-  } else if (result != PickResult::kWall && result != PickResult::kNothing) {
+  } else if (result != PickResult::kWall && result != PickResult::kNothing &&
+             result != PickResult::kAbove) {
     // Every second failure drags the part a little, each time to another side.
     ++failures_;
     const double a = 2.399963 * static_cast<double>(failures_ % 1000);

@@ -49,7 +49,8 @@ enum class PickResult {
   kWall,     ///< the tool touches the bin; it stops and nothing moves
   kNothing,  ///< there is no part below the cup
   kLateral,  ///< off the grasp point
-  kDepth,    ///< stops above the part or runs into it
+  kAbove,    ///< the cup hangs above the part; nothing moves
+  kDepth,    ///< runs into the part
   kTilt,     ///< the cup does not lie flat
   kCovered,  ///< something else or a hole is below the cup's rim, or in the tool's way
   kLoaded,   ///< too much lies on the part

@@ -71,7 +71,19 @@ TEST_F(PickRule, FailsBeyondEachTolerance) {
 }
 
 TEST_F(PickRule, FailsBeyondItsDepth) {
-  EXPECT_EQ(cell_.pick(tool(0.0, 0.0, -5.5, 0.0)), PickResult::kDepth);
+  // The cup touches nothing, so that nothing moves, however often it tries and wherever it hangs.
+  for (const double x_mm : {0.0, 1.7, 0.0})
+    EXPECT_EQ(cell_.pick(tool(x_mm, 0.0, -5.5, 0.0)), PickResult::kAbove);
+  EXPECT_TRUE(cell_.heap().bodies().at(0).T_base_part.isApprox(T_base_part_, 0.0));
+}
+
+TEST_F(PickRule, FailsWhereItRunsIntoThePart) {
+  // On a block: at the floor the tool would touch the bin.
+  Eigen::Isometry3d T = T_base_part_;
+  T.translation().z() += 0.02;
+  cell_.heap().put(0, T);
+  cell_.update();
+  EXPECT_EQ(cell_.pick(tool(0.0, 0.0, -20.0 + 5.5, 0.0)), PickResult::kDepth);
 }
 
 TEST_F(PickRule, FailsBeyondItsTilt) {
