@@ -119,23 +119,26 @@ class PickProgram(unittest.TestCase):
         self.cycle(Result.PICKED)
         before, pick, after, home = self.cell.moves
         lean = 0.5 ** 0.5  # the tool leans by 45 degrees; the flange stands behind its tip
-        self.assertAlmostEqual(pick[1], TOOL * lean * (pick[1] / abs(pick[1])), places=5)
-        self.assertAlmostEqual(pick[2], 0.1 + TOOL * lean, places=5)
-        self.assertAlmostEqual(before[2] - pick[2], pick_program.ABOVE * lean, places=5)
-        self.assertAlmostEqual(abs(before[1] - pick[1]), pick_program.ABOVE * lean, places=5)
+        held, ahead = TOOL + pick_program.SEEK, pick_program.ABOVE - pick_program.SEEK
+        self.assertAlmostEqual(abs(pick[1]), held * lean, places=5)
+        self.assertAlmostEqual(pick[2], 0.1 + held * lean, places=5)
+        self.assertAlmostEqual(before[2] - pick[2], ahead * lean, places=5)
+        self.assertAlmostEqual(abs(before[1] - pick[1]), ahead * lean, places=5)
         for got, expected in zip(after, (pick[0], pick[1], pick[2] + pick_program.ABOVE)):
             self.assertAlmostEqual(got, expected, places=5)
         self.assertAlmostEqual(home[2], 1.0)
         self.assertEqual(self.cell.reports, [("plate_1", True)])
 
-    def test_goes_on_a_little_where_the_cup_finds_no_part(self):
-        self.cell.vacuum = [False, True]
+    def test_seeks_the_part_along_the_tool(self):
+        self.cell.vacuum = [False, False, True]
         self.cycle(Result.PICKED)
-        _, pick, deeper, after, _ = self.cell.moves
+        _, *tried, after, _ = self.cell.moves
         lean = 0.5 ** 0.5
-        self.assertAlmostEqual(pick[2] - deeper[2], pick_program.SEEK * lean, places=5)
-        self.assertAlmostEqual(abs(pick[1] - deeper[1]), pick_program.SEEK * lean, places=5)
-        self.assertAlmostEqual(after[2] - deeper[2], pick_program.ABOVE, places=5)
+        for flange, ahead in zip(tried, (pick_program.SEEK, 0.0, -pick_program.SEEK)):
+            self.assertAlmostEqual(abs(flange[1]), (TOOL + ahead) * lean, places=5)
+            self.assertAlmostEqual(flange[2], 0.1 + (TOOL + ahead) * lean, places=5)
+        self.assertEqual(len(tried), 3)
+        self.assertAlmostEqual(after[2] - tried[-1][2], pick_program.ABOVE, places=5)
         self.assertEqual(self.cell.reports, [("plate_1", True)])
 
     def test_passes_over_what_it_cannot_reach(self):
@@ -152,7 +155,7 @@ class PickProgram(unittest.TestCase):
         self.assertEqual(self.cell.suctions, [])
 
     def test_goes_on_where_nothing_is_held_or_a_part_is_lost(self):
-        self.cell.vacuum = [False, False, True]
+        self.cell.vacuum = [False, False, False, True]
         self.cycle(Result.NOTHING_HELD, Result.PICKED)
         self.assertEqual(self.cell.reports, [("plate_1", False), ("plate_2", True)])
         self.cell.well()

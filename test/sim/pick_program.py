@@ -30,7 +30,7 @@ from visualization_msgs.msg import Marker
 
 WAIT = 60.0  # s, for nodes to come up, and again after one has died
 ABOVE = 0.15  # m, over the part before and after the pick
-SEEK = 0.004  # m that the cup goes on where it finds no part: less than its bellows take up
+SEEK = 0.004  # m before the part, from where the cup goes on until it holds: less than its bellows take up
 IMAGES = 3  # in a row without a part that could be picked: then the bin needs somebody
 PAUSE = 1.0  # s, before asking again where it is a matter of time
 PICTURE_TIMEOUT = 20.0  # s, for an image to come
@@ -114,6 +114,8 @@ class Robot:
         # There along the tool's axis, so that it meets the part squarely ...
         T_base_before = Frame(T_base_pick)
         T_base_before.p -= T_base_pick.M.UnitZ() * ABOVE
+        T_base_pick = Frame(T_base_pick)
+        T_base_pick.p -= T_base_pick.M.UnitZ() * SEEK
         try:
             self.move_tool(T_base_before)
             self.move_tool(T_base_pick)
@@ -121,15 +123,17 @@ class Robot:
             self.go_home()
             return Outcome(Result.NOT_REACHED, str(error))
         held = self.suction(True)
-        if not held.success:  # depth is what one picture tells worst: the cup may hang above the part
+        for _ in range(2):  # depth is what one picture tells worst: there and a little beyond
+            if held.success:
+                break
             T_base_deeper = Frame(T_base_pick)
             T_base_deeper.p += T_base_pick.M.UnitZ() * SEEK
             try:
                 self.move_tool(T_base_deeper)
-                T_base_pick = T_base_deeper
-                held = self.suction(True)
             except Unreachable:
-                pass  # the bin's floor or wall: no part is there
+                break  # the bin's floor or wall: no part is there
+            T_base_pick = T_base_deeper
+            held = self.suction(True)
         # ... and away straight up, whichever way the part leans: so it comes free of what lies about it.
         T_base_after = Frame(T_base_pick)
         T_base_after.p += Vector(0.0, 0.0, ABOVE)

@@ -135,8 +135,8 @@ struct PickPlan {
     std::vector<std::size_t> picks;
     int failures = 0;
   };
-  /// By PickParams::order, or else as given, but for those on which other parts lie more than the
-  /// picture shows; what failed before comes last.
+  /// By PickParams::order, or else as given, but for those on which something lies, as the picture
+  /// shows or the other parts' poses; what failed before comes last.
   std::vector<Offer> offers;
   std::vector<Refused> refused;  ///< as given; those beyond the number asked for at the end
 };

@@ -132,11 +132,16 @@ struct RangeCheck {
   void operator()(const char*, const std::vector<double>&) const {}  // toolBodies looks at these
 };
 
+// A part that carries another one, be it by a corner, may be held down by all its weight: of such
+// thin plates every fifth pick fails, of those that lie free not one in a hundred. The shares that
+// are told visible are known to some 0.02.
+constexpr double kFree = 0.97, kCarries = 0.9;
+
 /// What the order looks at.
 PickPlace placeOf(const PickCandidate& candidate, const double visible,
                   const std::optional<PickBin>& bin) {
   PickPlace place;
-  place.rank = candidate.score * visible * visible;
+  place.rank = candidate.score * visible * visible * (visible < kFree ? kCarries : 1.0);
   place.center_target = candidate.center;
   place.height = candidate.center.z();
   if (!bin) return place;
@@ -319,7 +324,7 @@ PickPlan PickPolicy::plan(std::vector<PickCandidate> candidates, const std::opti
   bool as_given = true;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     places.push_back(placeOf(candidates[i], visible[i], bin));
-    as_given = as_given && visible[i] == candidates[i].visible_fraction;
+    as_given = as_given && visible[i] == candidates[i].visible_fraction && visible[i] >= kFree;
   }
   for (const std::size_t i : ordered(places, params_.order, as_given)) {
     PickPlan::Offer offer{i, {}, recall(candidates[i])};
@@ -333,6 +338,8 @@ PickPlan PickPolicy::plan(std::vector<PickCandidate> candidates, const std::opti
   }
   std::stable_sort(plan.offers.begin(), plan.offers.end(),
                    [](const auto& a, const auto& b) { return a.failures < b.failures; });
+  std::sort(plan.refused.begin(), plan.refused.end(),
+            [](const auto& a, const auto& b) { return a.candidate < b.candidate; });
   // The smaller of the two limits; zero is none.
   const auto most = static_cast<std::size_t>(params_.max_parts);
   if (most != 0 && (max_parts == 0 || most < max_parts)) max_parts = most;

@@ -101,7 +101,7 @@ TEST(PickPolicy, RanksBehindWhatOtherPartsLieOn) {
                                            candidateAt(at(0.06, 2 * kThick), 0.025)};
   candidates[1].score = 0.9;  // the picture shows nothing that covers the first
   EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({1, 0}));
-  candidates[1].score = 0.5;  // a quarter covered costs less than half the score
+  candidates[1].score = 0.4;  // a quarter covered costs about half the score
   EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({0, 1}));
   // By itself, or with one on it that another view contradicts, it stays what it is.
   candidates[1].score = 0.9;
@@ -109,6 +109,21 @@ TEST(PickPolicy, RanksBehindWhatOtherPartsLieOn) {
   const auto plan = policy.plan(candidates, std::nullopt);
   EXPECT_EQ(offered(plan), Order({0}));
   EXPECT_EQ(plan.refused.size(), 1u);
+}
+
+TEST(PickPolicy, RanksWhatCarriesSomethingLower) {
+  PickPolicy policy{PickParams()};
+  // Far from each other; a corner of the first is covered by what nobody knows.
+  std::vector<PickCandidate> candidates = {candidateAt(at(0, kThick), 0.025),
+                                           candidateAt(at(0.5, kThick), 0.025)};
+  candidates[1].score = 0.85;
+  candidates[0].visible_fraction = 0.96;
+  EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({1, 0}));
+  candidates[0].visible_fraction = 0.98;  // so much the picture errs
+  EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({0, 1}));
+  candidates[0].visible_fraction = 0.96;
+  candidates[1].score = 0.8;
+  EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({0, 1}));
 }
 
 TEST(PickPolicy, SendsNoToolToWhereAnotherPartLies) {
