@@ -6,8 +6,8 @@
 /// the rank: the highest, the nearest to a point, the farthest from the walls, clockwise, or a
 /// mixture of them.
 ///
-/// Each part gets points, and the one with the most comes first: score * visible share^2 (the rank,
-/// at most 1 point), and for each metre as many as its weight says.
+/// Each part gets points, and the one with the most comes first: confirmed * visible share^2 (the
+/// rank, at most 1 point), and for each metre as many as its weight says.
 
 #include <Eigen/Core>
 
@@ -34,7 +34,7 @@ inline constexpr double kWallFarthest = 0.1;  // metres
 
 /// What the order looks at of a part.
 struct PickPlace {
-  double rank = 0.0;  ///< score * visible share^2, less where something lies on the part
+  double rank = 0.0;  ///< confirmed * visible share^2, less where something lies on the part
   Eigen::Vector3d center_target = Eigen::Vector3d::Zero();
   double height = 0.0;         ///< metres
   double wall_distance = 0.0;  ///< metres; 0 without a bin

@@ -106,6 +106,7 @@ struct PickCandidate {
   std::optional<PickRefusal> withheld;
   std::string withheld_text;  ///< the numbers behind it
   double score = 0.0, visible_fraction = 0.0;
+  double confirmed = 0.0;  ///< how well edges confirm it: PoseEvidence::edges, for the order
   double tilt_deg = 0.0;
   double depth_sigma = 0.0, tilt_sigma = 0.0;  ///< as in PickParams
   /// Origin = contact, z = stroke of the tool, into the part. May be empty: nothing to check.

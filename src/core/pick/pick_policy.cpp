@@ -141,7 +141,7 @@ constexpr double kFree = 0.97, kCarries = 0.9;
 PickPlace placeOf(const PickCandidate& candidate, const double visible,
                   const std::optional<PickBin>& bin) {
   PickPlace place;
-  place.rank = candidate.score * visible * visible * (visible < kFree ? kCarries : 1.0);
+  place.rank = candidate.confirmed * visible * visible * (visible < kFree ? kCarries : 1.0);
   place.center_target = candidate.center;
   place.height = candidate.center.z();
   if (!bin) return place;

@@ -100,6 +100,7 @@ Entry entryOf(const Answer& answer, const PickScene& scene, const Detection& det
   candidate.center_covariance =
       R_target_part * detection.covariance.topLeftCorner<3, 3>() * R_target_part.transpose();
   candidate.score = located.score;
+  candidate.confirmed = detection.evidence.edges;
   candidate.visible_fraction = located.visible_fraction;
   candidate.tilt_deg = tiltDegrees(detection, frames);
   for (const auto& pick : located.picks) candidate.T_target_pick.push_back(fromMsg(pick.pose));

@@ -17,7 +17,7 @@ namespace {
 PickCandidate known(double depth_sigma, double tilt_sigma) {
   PickCandidate candidate;
   candidate.part = "bracket";
-  candidate.score = 0.9;
+  candidate.score = candidate.confirmed = 0.9;
   candidate.visible_fraction = 1.0;
   candidate.depth_sigma = depth_sigma;
   candidate.tilt_sigma = tilt_sigma;

@@ -79,7 +79,7 @@ PickCandidate candidateAt(const Eigen::Isometry3d& T_target_part, double pick_x)
   candidate.part = "plate";
   candidate.model = kPlate;
   candidate.center = T_target_part.translation();
-  candidate.score = candidate.visible_fraction = 1.0;
+  candidate.score = candidate.confirmed = candidate.visible_fraction = 1.0;
   candidate.face.T_target_part = T_target_part;
   candidate.T_target_pick = {
       T_target_part * Eigen::Translation3d(pick_x, 0.0, 0.0) *
@@ -99,12 +99,12 @@ TEST(PickPolicy, RanksBehindWhatOtherPartsLieOn) {
   PickPolicy policy{PickParams()};
   std::vector<PickCandidate> candidates = {candidateAt(at(0, kThick), -0.025),
                                            candidateAt(at(0.06, 2 * kThick), 0.025)};
-  candidates[1].score = 0.9;  // the picture shows nothing that covers the first
+  candidates[1].confirmed = 0.9;  // the picture shows nothing that covers the first
   EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({1, 0}));
-  candidates[1].score = 0.4;  // a quarter covered costs about half the score
+  candidates[1].confirmed = 0.4;  // a quarter covered costs about half the rank
   EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({0, 1}));
   // By itself, or with one on it that another view contradicts, it stays what it is.
-  candidates[1].score = 0.9;
+  candidates[1].confirmed = 0.9;
   candidates[1].withheld = PickRefusal::kContradicted;
   const auto plan = policy.plan(candidates, std::nullopt);
   EXPECT_EQ(offered(plan), Order({0}));
@@ -116,13 +116,13 @@ TEST(PickPolicy, RanksWhatCarriesSomethingLower) {
   // Far from each other; a corner of the first is covered by what nobody knows.
   std::vector<PickCandidate> candidates = {candidateAt(at(0, kThick), 0.025),
                                            candidateAt(at(0.5, kThick), 0.025)};
-  candidates[1].score = 0.85;
+  candidates[1].confirmed = 0.85;
   candidates[0].visible_fraction = 0.96;
   EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({1, 0}));
   candidates[0].visible_fraction = 0.98;  // so much the picture errs
   EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({0, 1}));
   candidates[0].visible_fraction = 0.96;
-  candidates[1].score = 0.8;
+  candidates[1].confirmed = 0.8;
   EXPECT_EQ(offered(policy.plan(candidates, std::nullopt)), Order({0, 1}));
 }
 

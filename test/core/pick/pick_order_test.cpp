@@ -68,7 +68,7 @@ TEST(PickOrder, IsThatOfThePolicysOffers) {
   bin.max = {0.2, 0.15, 0.1};
   PickCandidate at_wall = candidateAt(0.18, 0), high = candidateAt(0, 0),
                 middle = candidateAt(0, 0);
-  at_wall.score = 1.0, high.score = 0.7, middle.score = 0.8;
+  at_wall.confirmed = 1.0, high.confirmed = 0.7, middle.confirmed = 0.8;
   high.center.z() = 0.08;
   PickParams params;
   params.order.height = 50.0;

@@ -26,7 +26,7 @@ PickCandidate candidateAt(double x, double y) {
   PickCandidate candidate;
   candidate.part = "bracket";
   candidate.center = Eigen::Vector3d(x, y, 0.01);
-  candidate.score = 0.9;
+  candidate.score = candidate.confirmed = 0.9;
   candidate.visible_fraction = 1.0;
   candidate.tilt_deg = 5.0;
   candidate.T_target_pick = {downAt(x, y, 0.01)};

@@ -38,6 +38,7 @@ Detection detectionAt(const Eigen::Isometry3d& T_camera_part, const std::string&
   Detection detection;
   detection.T_camera_part = T_camera_part;
   detection.score = 0.9;
+  detection.evidence.edges = 0.9;
   detection.visible_fraction = 1.0;
   detection.part_name = name;
   return detection;
