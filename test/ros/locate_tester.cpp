@@ -27,6 +27,7 @@
 #include <tf2_ros/transform_listener.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
 #include <map>
@@ -196,17 +197,38 @@ TEST_F(Locate, PosesMatchTruth) {
   RecordProperty("found", static_cast<int>(response().parts.size()));
 }
 
-// What lies free comes first, see rank.h.
+// What lies free comes first, see rank.h and pick/overlap.h.
 TEST_F(Locate, RankedBestFirst) {
+  constexpr double kFree = 0.97, kCarries = 0.9;
+  constexpr double kReach = 0.144;  // metres, two radii of the bracket
   const auto& parts = response().parts;
   const auto merit = [](const LocatedPart& part) {
-    return part.score * part.visible_fraction * part.visible_fraction;
+    return part.score * part.visible_fraction * part.visible_fraction *
+           (part.visible_fraction < kFree ? kCarries : 1.0);
   };
+  // Another part's pose may show that it lies on this one, which then comes later.
+  const auto isAlone = [&](const LocatedPart& part) {
+    const auto isNear = [&](const LocatedPart& other) {
+      const double apart =
+          (fromMsg(part.pose.pose).translation() - fromMsg(other.pose.pose).translation()).norm();
+      return apart > 0.0 && apart < kReach;
+    };
+    const auto& refused = response().refused;
+    return std::none_of(parts.begin(), parts.end(), isNear) &&
+           std::none_of(refused.begin(), refused.end(),
+                        [&](const auto& entry) { return isNear(entry.located); });
+  };
+  ASSERT_FALSE(parts.empty());
+  EXPECT_GE(parts.front().visible_fraction, kFree);
   for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t k = i + 1; k < parts.size(); ++k) {
+      if (isAlone(parts[k])) {
+        EXPECT_GE(merit(parts[i]) + 1e-6, merit(parts[k]));
+      }
+    }
     EXPECT_GE(parts[i].score, 0.0);
     EXPECT_LE(parts[i].score, 1.0);
     EXPECT_NE(parts[i].child_frame.find(parts[i].part + "_"), std::string::npos);
-    EXPECT_GE(merit(parts[i > 0 ? i - 1 : i]) + 1e-6, merit(parts[i]));
     EXPECT_GT(parts[i].pose.covariance[0], 0.0);
   }
 }
