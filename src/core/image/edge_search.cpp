@@ -159,8 +159,8 @@ static void findPeaks(const float* energy, const float* across, int pitch, int r
       const float at = middle + 0.5f * (before - after) / (before - 2 * here + after);
       const float near = at * share;
       const float worth = std::min(here, clear[l]) * (1.0f - near * near);
-      const bool is_better =
-          (here >= least[l]) & (here >= before) & (here > after) & (worth > merit[l]);
+      const float enough = least[l], best = merit[l];
+      const bool is_better = (here >= enough) & (here >= before) & (here > after) & (worth > best);
       merit[l] = is_better ? worth : merit[l];
       at_px[l] = is_better ? at : at_px[l];
       height[l] = is_better ? here : height[l];
@@ -315,9 +315,13 @@ PBP_SIMD
 static void average(const float* row, const Stretches& stretches, int before, int behind,
                     float* out) {
   FloatLanes sum{};
-  for (int d = -before; d <= behind; ++d)
-    for (int l = 0; l < kLanes; ++l)
-      sum[l] += (-stretches.before[l] <= d) & (d <= stretches.behind[l]) ? row[l + d] : 0.0f;
+  for (int d = -before; d <= behind; ++d) {
+    for (int l = 0; l < kLanes; ++l) {
+      const int first = -stretches.before[l], last = stretches.behind[l];
+      const bool is_of_it = (first <= d) & (d <= last);
+      sum[l] += is_of_it ? row[l + d] : 0.0f;
+    }
+  }
   for (int l = 0; l < kLanes; ++l)
     out[l] = sum[l] / static_cast<float>(1 + stretches.before[l] + stretches.behind[l]);
 }

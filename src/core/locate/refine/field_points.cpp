@@ -11,7 +11,6 @@
 namespace planar_bin_picking {
 namespace {
 
-constexpr int kLanes = FieldPoints::kLanes;
 constexpr int kMost = FieldBlock::kMost;
 
 /// A pose in plain numbers: the axes of its plane and its translation.
