@@ -16,7 +16,7 @@ BELOW_PART = {"base", "drawing"}
 BELOW_IMAGE = BELOW_PART | {"part", "params"}
 BELOW_STAGES = BELOW_IMAGE | {"camera", "image"}
 STAGES = {"locate/vote", "locate/refine", "locate/judge"}
-BELOW_LOCATOR = BELOW_STAGES | STAGES | {"locate/evidence", "locate/prior"}
+BELOW_LOCATOR = BELOW_STAGES | STAGES | {"locate/evidence", "locate/prior", "locate/align"}
 MAY_INCLUDE = {
     "base": set(),
     "drawing/dxf": {"base"},
@@ -28,7 +28,8 @@ MAY_INCLUDE = {
     "image": BELOW_IMAGE | {"camera"},
     "locate/evidence": BELOW_STAGES,
     "locate/prior": BELOW_STAGES | {"locate/evidence"},  # what is known besides the image
-    **{stage: BELOW_STAGES | {"locate/evidence", "locate/prior"} for stage in STAGES},  # none includes another
+    "locate/align": BELOW_STAGES,  # one pose to the distance field, and to the image
+    **{stage: BELOW_STAGES | {"locate/evidence", "locate/prior", "locate/align"} for stage in STAGES},  # none includes another
     "locate": BELOW_LOCATOR,
     "bin": BELOW_LOCATOR | {"locate"},  # its floor, its region, and its rim, which is located as a part
     "views": BELOW_LOCATOR | {"locate"},

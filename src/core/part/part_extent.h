@@ -7,6 +7,7 @@
 #include "planar_bin_picking/part/part_model.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace planar_bin_picking {
 
@@ -22,6 +23,10 @@ Extent extentOf(const PartModel& part);
 inline double grainOf(const PartModel& part) {
   return std::min(part.radius(), extentOf(part).width);
 }
+
+/// Direction of the length of a slender part in its plane. Slender is one whose tilt about the
+/// length a picture hardly tells from a bevel: both make it look narrower.
+std::optional<Eigen::Vector2d> lengthOfSlender(const PartModel& part);
 
 /// Twice the area over the length of all contours, metres: how far one edge lies from the next, in
 /// the mean. Small for bars, frames and perforated plates.

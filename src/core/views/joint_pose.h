@@ -11,7 +11,7 @@
 /// (image_alignment.h: with what residuals cannot tell), by the weights that they have at the joint
 /// pose, and the views are joined by these Gaussians and the prior of the corrections.
 
-#include "locate/refine/image_alignment.h"
+#include "locate/align/image_alignment.h"
 #include "views/seen_part.h"
 
 #include <vector>

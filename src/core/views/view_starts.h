@@ -4,7 +4,7 @@
 
 /// Where a part may be, given where one view has it: nearer, farther, tilted the other way.
 
-#include "locate/refine/image_alignment.h"
+#include "locate/align/image_alignment.h"
 #include "views/seen_part.h"
 
 #include <vector>

@@ -34,6 +34,18 @@ TEST(PartExtent, TheExtentIsThatOfTheTightestRectangle) {
   }
 }
 
+TEST(PartExtent, ABarIsSlenderAndABracketIsNot) {
+  for (const double turn : {0.0, 30.0, 77.0, 90.0}) {
+    const auto length = lengthOfSlender(*makePart("bar", bar(80, 12, turn)));
+    ASSERT_TRUE(length) << turn;
+    const Eigen::Vector2d truth(std::cos(turn * kDegrees), std::sin(turn * kDegrees));
+    EXPECT_GT(std::abs(length->dot(truth)), std::cos(2.0 * kDegrees)) << turn;
+  }
+  EXPECT_FALSE(lengthOfSlender(*makePart("bracket", bracketPlate())));
+  // As narrow, but all around: tilt and bevel look different.
+  EXPECT_FALSE(lengthOfSlender(*makePart("square", bar(12, 12))));
+}
+
 TEST(PartExtent, TheGrainOfASlenderPartIsItsWidth) {
   EXPECT_NEAR(grainOf(*makePart("bar", slenderPlate())), 0.010, 1e-6);
   const auto bracket = makePart("bracket", bracketPlate());

@@ -5,6 +5,7 @@
 #include "base/scatter.h"
 #include "locate/prior/flat_face.h"
 #include "part/outline_view.h"
+#include "part/part_extent.h"
 #include "part/visible_face.h"
 
 #include <cmath>
@@ -97,6 +98,8 @@ std::optional<ScenePlane> SceneFaces::plane(std::optional<std::size_t> left_out)
 void fuseWithScenePlane(const std::vector<std::shared_ptr<const PartModel>>& parts,
                         std::vector<RefinedPose>* poses) {
   const SceneFaces faces(*poses, parts);
+  std::vector<bool> slender;
+  for (const auto& part : parts) slender.push_back(lengthOfSlender(*part).has_value());
   for (std::size_t i = 0; i < poses->size(); ++i) {
     const auto scene = faces.plane(i);
     if (!scene) continue;
@@ -110,9 +113,12 @@ void fuseWithScenePlane(const std::vector<std::shared_ptr<const PartModel>>& par
     const double height2 =
         plane2 + varianceAt(std::pow(prior.residual(0), 2), 1, measured(0, 0) + plane2,
                             scene->height_spread, kOutlyingHeight);
-    const double tilt2 = varianceAt(prior.residual.tail<2>().squaredNorm(), 2,
-                                    0.5 * measured.bottomRightCorner<2, 2>().trace(),
-                                    scene->tilt_spread, kOutlyingTilt);
+    // How the others lie is already part of a slender part's tilt (shared_offset.h).
+    const double tilt2 = slender[pose.part]
+                             ? kOutlyingTilt * kOutlyingTilt
+                             : varianceAt(prior.residual.tail<2>().squaredNorm(), 2,
+                                          0.5 * measured.bottomRightCorner<2, 2>().trace(),
+                                          scene->tilt_spread, kOutlyingTilt);
     pose = fuseFlat(pose, part, scene->plane, {height2, tilt2, tilt2});
   }
 }

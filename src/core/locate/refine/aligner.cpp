@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/refine/aligner.h"
 
+#include "locate/align/field_alignment.h"
 #include "locate/evidence/inlier_score.h"
 #include "locate/evidence/print_evidence.h"
 #include "locate/evidence/wall_evidence.h"
-#include "locate/refine/field_alignment.h"
 #include "part/part_extent.h"
 
 #include <algorithm>
@@ -141,6 +141,15 @@ void Aligner::alignWide(PoseHypothesis* pose) const {
 
 void Aligner::alignNarrow(PoseHypothesis* pose) const {
   align(outlineOf(*pose).of(pose->face).fine, kNarrow, kNarrowTukey, pose);
+}
+
+void Aligner::look(PoseHypothesis* pose) const {
+  const PartModel& part = *outlineOf(*pose).part;
+  const auto& points = outlineOf(*pose).of(pose->face).fine;
+  const Eigen::Isometry3d T = pose->T_camera_part * centreOf(part, pose->face);
+  pose->image = lookInImage(edges_, camera_, points, solidOf(part, pose->face), T, kNarrow,
+                            kNarrowTukey.back());
+  pose->inlier_score = inlierScoreOf(*pose, points);
 }
 
 std::vector<Eigen::Isometry3d> Aligner::startsAround(const PoseHypothesis& pose) const {

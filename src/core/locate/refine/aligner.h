@@ -22,6 +22,8 @@ class Aligner {
   /// narrow reach.
   void alignWide(PoseHypothesis* pose) const;
   void alignNarrow(PoseHypothesis* pose) const;
+  /// What the edges found by a narrow alignment say of the pose where it is.
+  void look(PoseHypothesis* pose) const;
   /// Restarts about an aligned pose, since one side of the outline may have been aligned to a
   /// neighbour's edge or a shadow: farther and nearer ([1] Sec. III-E goes farther only), tilted to
   /// all sides. Does nothing where the last search found nothing better.
@@ -39,6 +41,8 @@ class Aligner {
   const std::vector<PartOutline>& outlines() const { return outlines_; }
   std::vector<PartOutline>& outlines() { return outlines_; }
   const PartOutline& outlineOf(const PoseHypothesis& pose) const { return outlines_[pose.part]; }
+  const EdgeMap& edges() const { return edges_; }
+  const Camera& camera() const { return camera_; }
   double focal() const { return camera_.model().fx; }  ///< pixels
 
  private:

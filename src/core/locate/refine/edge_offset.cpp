@@ -47,7 +47,7 @@ double spreadOf(const std::vector<Measured>& measured) {
 
 void estimateOffset(const std::vector<PoseHypothesis>& poses, std::size_t part, Face face,
                     PartOutline* outline) {
-  FaceOutline& of_face = outline->of(face);
+  const FaceOutline& of_face = outline->of(face);
   const double radius = outline->part->radius();
   std::vector<Measured> measured;
   for (const auto& p : poses) {
@@ -62,15 +62,21 @@ void estimateOffset(const std::vector<PoseHypothesis>& poses, std::size_t part, 
     sum += m.offset / (m.variance + spread);
     weight += 1.0 / (m.variance + spread);
   }
-  const double offset = sum / weight;
-  for (auto* points : {&of_face.coarse, &of_face.wide, &of_face.fine})
-    moveInward((offset - of_face.offset) / radius, points);
-  of_face.offset = offset;
-  of_face.offset_sigma = std::sqrt(1.0 / weight);
-  of_face.offset_spread = std::sqrt(spread);
+  setEdgeOffset(sum / weight, std::sqrt(1.0 / weight), std::sqrt(spread), face, outline);
 }
 
 }  // namespace
+
+double logOffsetPrior(double offset) { return -0.5 * std::pow((offset - kMean) / kMeanSigma, 2); }
+
+void setEdgeOffset(double offset, double sigma, double spread, Face face, PartOutline* outline) {
+  FaceOutline& of_face = outline->of(face);
+  for (auto* points : {&of_face.coarse, &of_face.wide, &of_face.fine})
+    moveInward((offset - of_face.offset) / outline->part->radius(), points);
+  of_face.offset = offset;
+  of_face.offset_sigma = sigma;
+  of_face.offset_spread = spread;
+}
 
 void estimateEdgeOffsets(const std::vector<PoseHypothesis>& poses,
                          std::vector<PartOutline>* outlines) {

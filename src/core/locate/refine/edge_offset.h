@@ -17,6 +17,13 @@ namespace planar_bin_picking {
 void estimateEdgeOffsets(const std::vector<PoseHypothesis>& poses,
                          std::vector<PartOutline>* outlines);
 
+/// Logarithm of the density of a part's mean offset, metres, before anything is seen, but for a
+/// constant.
+double logOffsetPrior(double offset);
+
+/// From then on the outline of the face is taken to lie there.
+void setEdgeOffset(double offset, double sigma, double spread, Face face, PartOutline* outline);
+
 /// The pose with the offset of its own edges as far as these tell it, else that of all copies, and
 /// the covariance of both together.
 RefinedPose withOwnOffset(const PoseHypothesis& pose, const PartOutline& outline, double focal_px);

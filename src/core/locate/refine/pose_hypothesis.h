@@ -4,8 +4,8 @@
 
 /// What passes between the steps of stage 3.
 
-#include "locate/refine/field_points.h"
-#include "locate/refine/image_alignment.h"
+#include "locate/align/field_points.h"
+#include "locate/align/image_alignment.h"
 #include "locate/refine/slides.h"
 #include "part/outline_view.h"
 #include "planar_bin_picking/part/part_model.h"

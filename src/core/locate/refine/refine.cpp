@@ -6,6 +6,7 @@
 #include "locate/refine/aligner.h"
 #include "locate/refine/edge_offset.h"
 #include "locate/refine/hypotheses.h"
+#include "locate/refine/shared_offset.h"
 #include "locate/refine/suppression.h"
 #include "part/visible_face.h"
 
@@ -73,6 +74,7 @@ std::vector<RefinedPose> refineCandidates(
   for (const auto& c : chosen) poses.push_back(c.pose);
   estimateEdgeOffsets(poses, &aligner.outlines());
   forAll([&](auto* p, int) { aligner.alignNarrow(p); });
+  shareOffsets(&aligner, &poses, threads);
 
   std::vector<RefinedPose> out;
   for (const auto& p : poses) {

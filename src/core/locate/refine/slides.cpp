@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/refine/slides.h"
 
-#include "locate/refine/field_alignment.h"
+#include "locate/align/field_alignment.h"
 
 #include <Eigen/Eigenvalues>
 

@@ -9,7 +9,7 @@
 /// at the ends and the holes, which alone tell, see the edges of others there. So these motions are
 /// searched through, by the telling points, in the distance field.
 
-#include "locate/refine/field_points.h"
+#include "locate/align/field_points.h"
 
 #include <vector>
 

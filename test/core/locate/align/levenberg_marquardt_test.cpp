@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locate/refine/levenberg_marquardt.h"
+#include "locate/align/levenberg_marquardt.h"
 
 #include <gtest/gtest.h>
 

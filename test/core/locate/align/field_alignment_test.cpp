@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locate/refine/field_alignment.h"
+#include "locate/align/field_alignment.h"
 
 #include "support/stages.h"
 

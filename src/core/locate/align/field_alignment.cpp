@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locate/refine/field_alignment.h"
+#include "locate/align/field_alignment.h"
 
 #include "base/simd.h"
-#include "locate/refine/levenberg_marquardt.h"
+#include "locate/align/levenberg_marquardt.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 /// Second part of stage 3: a pose is aligned to sub-pixel edges along the outline's normals.
 
 #include "image/edge_search.h"
-#include "locate/refine/levenberg_marquardt.h"
+#include "locate/align/levenberg_marquardt.h"
 
 #include <limits>
 #include <vector>
@@ -80,5 +80,11 @@ ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
                        const std::vector<LocalPoint>& points, const Solid& solid,
                        const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
                        double tukey_px);
+
+/// The same of the pose as it is.
+ImagePose lookInImage(const EdgeMap& edges, const Camera& camera,
+                      const std::vector<LocalPoint>& points, const Solid& solid,
+                      const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
+                      double tukey_px);
 
 }  // namespace planar_bin_picking

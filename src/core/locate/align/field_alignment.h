@@ -5,7 +5,7 @@
 /// First part of stage 3: poses are aligned in the directional distance field (no lens model, no
 /// image).
 
-#include "locate/refine/field_points.h"
+#include "locate/align/field_points.h"
 #include "planar_bin_picking/locate/params.h"
 
 namespace planar_bin_picking {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locate/refine/image_alignment.h"
+#include "locate/align/image_alignment.h"
 
 #include "base/scatter.h"
 #include "base/simd.h"
-#include "locate/refine/levenberg_marquardt.h"
+#include "locate/align/levenberg_marquardt.h"
 
 #include <algorithm>
 #include <array>
@@ -316,15 +316,29 @@ Eigen::Isometry3d stepInImage(const EdgeMap& edges, const Camera& camera,
   return few ? T_camera_centre : stepped(T_camera_centre, xi, solid.radius);
 }
 
+/// The covariance with the shift by the light.
+static ImagePose withLight(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
+                           const Eigen::Isometry3d& T_camera_centre, double radius) {
+  ImagePose out = imagePoseAt(rows, xi, tukey_px, T_camera_centre, radius);
+  if (out.status == AlignmentStatus::kAligned)
+    out.covariance.topLeftCorner<3, 3>() += lightVariance(rows, out.T_camera_centre);
+  return out;
+}
+
 ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
                        const std::vector<LocalPoint>& points, const Solid& solid,
                        const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
                        double tukey_px) {
   const auto [rows, xi] = stepsOf(edges, camera, points, solid, T_camera_centre, profile, tukey_px);
-  ImagePose out = imagePoseAt(rows, xi, tukey_px, T_camera_centre, solid.radius);
-  if (out.status == AlignmentStatus::kAligned)
-    out.covariance.topLeftCorner<3, 3>() += lightVariance(rows, out.T_camera_centre);
-  return out;
+  return withLight(rows, xi, tukey_px, T_camera_centre, solid.radius);
+}
+
+ImagePose lookInImage(const EdgeMap& edges, const Camera& camera,
+                      const std::vector<LocalPoint>& points, const Solid& solid,
+                      const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
+                      double tukey_px) {
+  const auto rows = associate(edges, camera, points, solid, T_camera_centre, profile);
+  return withLight(rows, Vector6d::Zero(), tukey_px, T_camera_centre, solid.radius);
 }
 
 }  // namespace planar_bin_picking

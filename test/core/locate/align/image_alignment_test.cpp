@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locate/refine/image_alignment.h"
+#include "locate/align/image_alignment.h"
 
 #include "planar_bin_picking/base/se3.h"
 #include "support/stages.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locate/refine/field_points.h"
+#include "locate/align/field_points.h"
 
 #include "base/simd.h"
 #include "image/posed_point.h"
