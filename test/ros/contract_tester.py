@@ -173,7 +173,7 @@ class Contract(unittest.TestCase):
         for rank, part in enumerate(response.parts, start=1):
             self.assertEqual(part.child_frame, f"bracket_{rank}")
             self.assertEqual(part.header.frame_id, "base")
-            self.assertGreater(part.score, 0.6)
+            self.assertGreaterEqual(part.score, 0.4)  # score/threshold
             self.assertTrue(0.0 < part.visible_fraction <= 1.0)
             self.assertGreater(part.pose.covariance[0], 0.0)
             self.assertEqual([pick.name for pick in part.picks],
