@@ -23,6 +23,7 @@ constexpr double kFreePx = 5.0;          // off the contour, whose own edges rea
 constexpr double kBeyondPx = 14.0;       // beyond where the line is free
 constexpr double kSpacingPx = 1.5;       // along both
 constexpr std::size_t kLeastPoints = 4;  // of either: fewer tell nothing
+constexpr double kLeastPx = 1.0;         // of a radius: less is seen edge-on, or nothing at all
 /// Inlier score of a line beyond a corner that clutter and texture give, too.
 constexpr double kByChance = 0.3;
 /// Share of the side's own height from which on an edge beyond it is as clear as the side.
@@ -80,26 +81,33 @@ SideEnd endOf(const PartModel& part, const Polygon& outer, const Side& side, boo
   return end;
 }
 
-/// Every few of the points, up to so many pixels, from where they are far enough off the contour.
-std::vector<LocalPoint> freeOf(const SideEnd& end, double px_per_radius) {
-  std::vector<LocalPoint> out;
-  const auto stride =
-      static_cast<std::size_t>(std::max(1.0, std::floor(kSpacingPx / (kStep * px_per_radius))));
-  const auto most = static_cast<std::size_t>(kBeyondPx / (kStep * px_per_radius));
-  std::size_t first = 0;
-  while (first < end.beyond.size() && end.from_contour[first] * px_per_radius < kFreePx) ++first;
-  for (std::size_t k = first; k < std::min(end.beyond.size(), first + most + 1); k += stride)
-    if (end.from_contour[k] * px_per_radius >= kFreePx) out.push_back(end.beyond[k]);
+/// Indices of every few of so many points of a line, from `first` on and over so many pixels.
+std::vector<std::size_t> pieceOf(std::size_t points, std::size_t first, double length_px,
+                                 double px_per_radius) {
+  const double step_px = kStep * px_per_radius;
+  const auto stride = static_cast<std::size_t>(std::max(1.0, std::floor(kSpacingPx / step_px)));
+  const auto end = std::min(points, first + static_cast<std::size_t>(length_px / step_px) + 1);
+  std::vector<std::size_t> out;
+  for (std::size_t k = first; k < end; k += stride) out.push_back(k);
   return out;
 }
 
 std::vector<LocalPoint> lastOf(const SideEnd& end, double px_per_radius) {
   std::vector<LocalPoint> out;
-  const auto stride =
-      static_cast<std::size_t>(std::max(1.0, std::floor(kSpacingPx / (kStep * px_per_radius))));
-  const auto most = static_cast<std::size_t>(kSidePx / (kStep * px_per_radius));
-  for (std::size_t k = 0; k < std::min(end.side.size(), most + 1); k += stride)
+  for (const std::size_t k : pieceOf(end.side.size(), 0, kSidePx, px_per_radius))
     out.push_back(end.side[k]);
+  return out;
+}
+
+/// Where it is free of the contour's own edges.
+std::vector<LocalPoint> freeOf(const SideEnd& end, double px_per_radius) {
+  const auto isFree = [&](double from_contour) { return from_contour * px_per_radius >= kFreePx; };
+  const auto& from = end.from_contour;
+  const auto first = std::find_if(from.begin(), from.end(), isFree) - from.begin();
+  std::vector<LocalPoint> out;
+  for (const std::size_t k :
+       pieceOf(from.size(), static_cast<std::size_t>(first), kBeyondPx, px_per_radius))
+    if (isFree(from[k])) out.push_back(end.beyond[k]);
   return out;
 }
 
@@ -125,8 +133,7 @@ std::vector<SideEnd> sideEndsOf(const PartModel& part) {
 std::optional<double> edgesBeyondCorners(const EdgeMap& edges, const Camera& camera,
                                          const std::vector<SideEnd>& ends, const PosedPart& posed,
                                          double reach_px) {
-  // As in score.cpp: an edge just beyond is not taken for a nearer one.
-  constexpr SearchProfile kReach{3, true, 0.8};
+  if (posed.px_per_radius < kLeastPx) return std::nullopt;
   double sum = 0.0, weights = 0.0;
   std::vector<EdgeHit> hits, hits_beyond;
   for (const SideEnd& end : ends) {
@@ -134,8 +141,9 @@ std::optional<double> edgesBeyondCorners(const EdgeMap& edges, const Camera& cam
     if (std::min(side.size(), beyond.size()) < kLeastPoints) continue;
     moveInward(posed.edge_offset, &side);
     moveInward(posed.edge_offset, &beyond);
-    findHits(edges, camera, side, posed.solid, posed.T_camera_centre, kReach, &hits);
-    findHits(edges, camera, beyond, posed.solid, posed.T_camera_centre, kReach, &hits_beyond);
+    findHits(edges, camera, side, posed.solid, posed.T_camera_centre, kInlierProfile, &hits);
+    findHits(edges, camera, beyond, posed.solid, posed.T_camera_centre, kInlierProfile,
+             &hits_beyond);
     std::vector<double> heights;
     for (const EdgeHit& hit : hits)
       if (hit.found) heights.push_back(hit.height);

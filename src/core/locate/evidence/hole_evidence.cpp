@@ -16,7 +16,6 @@ namespace {
 constexpr double kResolved = 10.0;  // pixels: of a narrower hole both rims lie within one profile
 constexpr double kSeen = 0.85;      // inlier score from which on the hole is where it is drawn
 constexpr double kReachPx = 1.5;    // off the contour from which on an edge is no inlier: as score
-constexpr SearchProfile kNear{3, true, 0.8};  // as for the score: twice that, and a sharp edge
 // Pixels along a normal while the other place is sought: a share of the hole's width, since beyond
 // lies its opposite rim, within these limits.
 constexpr double kFarShare = 0.25;
@@ -132,7 +131,7 @@ HoleEvidence holeEvidence(const EdgeMap& edges, const Camera& camera,
                           const Eigen::Isometry3d& T_camera_centre, double width_px) {
   HoleEvidence out;
   std::vector<EdgeHit> drawn, hits;
-  findHits(edges, camera, points, solid, T_camera_centre, kNear, &drawn);
+  findHits(edges, camera, points, solid, T_camera_centre, kInlierProfile, &drawn);
   out.here = inlierScore(drawn, kReachPx);
   if (width_px < kResolved || out.here > kSeen) return out;
   const Eigen::Vector2d lower_rim = lowerRim(solid, T_camera_centre, points);
@@ -140,9 +139,10 @@ HoleEvidence holeEvidence(const EdgeMap& edges, const Camera& camera,
   const double off = std::min(kStartShare * width_px, kStartMost) / px_per_radius;
   const int reach = std::clamp(static_cast<int>(kFarShare * width_px), kFarLeast, kFarMost);
   for (Change change : startsAround(off)) {
-    for (const int within : {reach, kNear.reach_px}) {
+    for (const int within : {reach, kInlierProfile.reach_px}) {
       const auto moved = changed(points, change);
-      findHits(edges, camera, moved, solid, T_camera_centre, {within, true, kNear.sigma_px}, &hits);
+      findHits(edges, camera, moved, solid, T_camera_centre,
+               {within, true, kInlierProfile.sigma_px}, &hits);
       if (!fit(moved, hits, within, px_per_radius, &change)) break;
     }
     const double apart = std::max(change.shift.norm(), std::abs(change.narrower)) * px_per_radius;
@@ -150,7 +150,7 @@ HoleEvidence holeEvidence(const EdgeMap& edges, const Camera& camera,
         !isAnotherHole(change, lower_rim, kApartPx / px_per_radius)) {
       continue;
     }
-    findHits(edges, camera, changed(points, change), solid, T_camera_centre, kNear, &hits);
+    findHits(edges, camera, changed(points, change), solid, T_camera_centre, kInlierProfile, &hits);
     out.lead = std::max(out.lead, leadOf(hits, drawn));
   }
   return out;

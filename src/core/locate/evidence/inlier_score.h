@@ -9,6 +9,11 @@
 
 namespace planar_bin_picking {
 
+/// Where edges that confirm an outline are sought. Pixels: twice the reach of an inlier
+/// (score/reach_px), so that an edge just beyond is not taken for a nearer one; a sharp edge's
+/// sigma.
+inline constexpr SearchProfile kInlierProfile{3, true, 0.8};
+
 /// How well the edge that one outline point found confirms it, 0..1: Eq. (12)'s |cos|, less with
 /// distance. Noise counts nothing.
 inline double inlierScore(const EdgeHit& hit, double reach_px) {

@@ -21,9 +21,6 @@
 namespace planar_bin_picking {
 namespace {
 
-/// Pixels: twice the reach of an inlier (score/reach_px), so that an edge just beyond is not taken
-/// for a nearer one; and the sigma of a sharp edge.
-constexpr SearchProfile kReach{3, true, 0.8};
 constexpr int kHolePoints = 48;  // along one hole: 3 pixels apart on one of 50 pixels across
 
 /// One hole, by itself.
@@ -185,7 +182,7 @@ ContourEvidence contourEvidence(const EdgeMap& edges, const Camera& camera, cons
     if (points.empty()) continue;
     moveInward(posed.edge_offset, &points);
     std::vector<EdgeHit> hits;
-    findHits(edges, camera, points, posed.solid, posed.T_camera_centre, kReach, &hits);
+    findHits(edges, camera, points, posed.solid, posed.T_camera_centre, kInlierProfile, &hits);
     const auto seen = posePoints(camera, points, part.radius(), posed.T_camera_centre);
     for (std::size_t k = 0; k < points.size(); ++k) {
       const double weight = weightOf(group, part.outline()[points[k].index].loop,

@@ -84,6 +84,16 @@ TEST(CornerEvidence, NothingOfThePartLiesBeyond) {
   EXPECT_LT(*seen, 0.3);  // the outer two of the upper edges go on at each other
 }
 
+/// Edge-on, a radius has no pixels.
+TEST(CornerEvidence, NothingIsSaidOfAPoseSeenEdgeOn) {
+  const auto part = makePart("part", plateOf(rectangle(-40, -12, 40, 12)));
+  const Shot shot = shoot(sceneOf(plateOf(rectangle(-40, -12, 40, 12)), kLie));
+  for (const double px : {0.0, 1e-9, 0.5}) {
+    const PosedPart posed{solidOf(*part, Face::kFront), sim::poseOf(kLie), 0.0, px};
+    EXPECT_FALSE(edgesBeyondCorners(shot.edges, shot.camera, sideEndsOf(*part), posed, 1.5)) << px;
+  }
+}
+
 TEST(CornerEvidence, NothingIsSaidWhereNothingIsSeen) {
   EXPECT_FALSE(beyond(plateOf(rectangle(-40, -12, 40, 12)), plateOf(circle(300, 300, 5))));
 }
