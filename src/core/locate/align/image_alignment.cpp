@@ -36,7 +36,12 @@ constexpr int kUnknowns = 6;  // of a pose
 /// the same way, which shifts the pose (with both the errors of the scenes fit their covariances,
 /// test/benchmark). Most of the first is what makes the edge offset, and no error of it.
 constexpr int kSides = 8;  // ways to face, and pieces of the outline
-constexpr double kBiasPx = 0.22, kLightPx = 0.14, kOffsetBiasPx = 0.1;
+constexpr double kBiasPx = 0.22, kLightPx = 0.1, kOffsetBiasPx = 0.1;
+/// Of a pose that one view tells: what lies on the part has edges, too, and some of them pass for
+/// the part's own, the more the more of its outline is not found. So the variance is this much of
+/// the above where all of it is found, and grows by this much for each point that is not, per point
+/// that is.
+constexpr double kAllFound = 0.7, kNotFound = 1.5;
 /// What is known without any edge, that the pose is within a radius and a radian, as so many edges
 /// with an error of a pixel.
 constexpr double kPrior = 1.0;
@@ -316,12 +321,17 @@ Eigen::Isometry3d stepInImage(const EdgeMap& edges, const Camera& camera,
   return few ? T_camera_centre : stepped(T_camera_centre, xi, solid.radius);
 }
 
-/// The covariance with the shift by the light.
-static ImagePose withLight(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
-                           const Eigen::Isometry3d& T_camera_centre, double radius) {
+/// What one view tells of the pose: the covariance with the shift by the light, and with what the
+/// outline's points that are not found say of the others.
+/// @param points  of the outline, found or not
+static ImagePose toldByOneView(const std::vector<Row>& rows, std::size_t points, const Vector6d& xi,
+                               double tukey_px, const Eigen::Isometry3d& T_camera_centre,
+                               double radius) {
   ImagePose out = imagePoseAt(rows, xi, tukey_px, T_camera_centre, radius);
-  if (out.status == AlignmentStatus::kAligned)
-    out.covariance.topLeftCorner<3, 3>() += lightVariance(rows, out.T_camera_centre);
+  if (out.status != AlignmentStatus::kAligned) return out;
+  const double not_found = (static_cast<double>(points) - out.used) / out.used;
+  out.covariance.topLeftCorner<3, 3>() += lightVariance(rows, out.T_camera_centre);
+  out.covariance *= kAllFound + kNotFound * not_found;
   return out;
 }
 
@@ -330,7 +340,7 @@ ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
                        const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
                        double tukey_px) {
   const auto [rows, xi] = stepsOf(edges, camera, points, solid, T_camera_centre, profile, tukey_px);
-  return withLight(rows, xi, tukey_px, T_camera_centre, solid.radius);
+  return toldByOneView(rows, points.size(), xi, tukey_px, T_camera_centre, solid.radius);
 }
 
 ImagePose lookInImage(const EdgeMap& edges, const Camera& camera,
@@ -338,7 +348,8 @@ ImagePose lookInImage(const EdgeMap& edges, const Camera& camera,
                       const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
                       double tukey_px) {
   const auto rows = associate(edges, camera, points, solid, T_camera_centre, profile);
-  return withLight(rows, Vector6d::Zero(), tukey_px, T_camera_centre, solid.radius);
+  return toldByOneView(rows, points.size(), Vector6d::Zero(), tukey_px, T_camera_centre,
+                       solid.radius);
 }
 
 }  // namespace planar_bin_picking

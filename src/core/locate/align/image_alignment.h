@@ -75,7 +75,8 @@ Eigen::Isometry3d stepInImage(const EdgeMap& edges, const Camera& camera,
                               const SearchProfile& profile, double tukey_px);
 
 /// The same as the last step, with what the edges say of the pose by Tukey weights of width
-/// `tukey_px`; the covariance with the shift by the light. Cost: O(points * reach).
+/// `tukey_px`; the covariance with the shift by the light, and the larger the more of the points
+/// find no edge. Cost: O(points * reach).
 ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
                        const std::vector<LocalPoint>& points, const Solid& solid,
                        const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
