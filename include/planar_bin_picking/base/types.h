@@ -76,6 +76,10 @@ struct RefinedPose {
   Matrix6d covariance = Matrix6d::Zero();
   double edge_offset = 0.0;  ///< metres by which edges lie inside the drawn outline (bevel)
   double residual_px = 0.0;  ///< robust spread of edge minus outline along the outline's normal
+  /// To the pose that looks nearly the same, tilted the other way about the line of sight, as xi,
+  /// times the square root of its probability: that of another tilt adds its square to the
+  /// covariance of the answer.
+  Vector6d other_tilt = Vector6d::Zero();
 };
 
 /// A point of a posed outline in the image, and how well its edge was found there.
@@ -88,7 +92,7 @@ struct OutlineEvidence {
 /// What speaks for and against a pose.
 struct PoseEvidence {
   /// 0..1: mean inlier score of outer contour, holes and print, less what contradicts the pose
-  /// (locate/judge/score.h).
+  /// and less where its tilt is open (locate/judge/score.h).
   double edges = 0.0;
   std::optional<double> holes;           ///< 0..1: of those that the picture resolves
   std::optional<double> beyond_corners;  ///< 0..1: how far edges go on beyond the part's corners

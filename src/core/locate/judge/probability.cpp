@@ -27,6 +27,15 @@ constexpr double kHoles = 0.5;  // above it holes speak for a pose, below it aga
 constexpr double kSlideLeastPx = 0.1, kSlideMostPx = 20.0;
 constexpr double kSlideLeastRadii = 3e-4, kSlideMostRadii = 0.3;
 
+constexpr double kTiltRight = 6.0 * EIGEN_PI / 180.0;
+
+/// The largest standard deviation along any direction of the two axes from `first` on.
+double largestSigma(const Matrix6d& covariance, int first) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance.block<2, 2>(first, first),
+                                                              Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()(1)));
+}
+
 /// Logarithm of the geometric mean in pixels and in radii: a small part is held as well in a fine
 /// picture as a large one in a coarse one.
 double logOfSlide(const PoseEvidence& e) {
@@ -46,10 +55,10 @@ double probabilityRight(const PoseEvidence& e) {
   return 1.0 / (1.0 + std::exp(-sum));
 }
 
-double sigmaInPlane(const RefinedPose& pose) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(pose.covariance.topLeftCorner<2, 2>(),
-                                                              Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()(1)));
+double probabilityOfTilt(const RefinedPose& pose) {
+  return std::erf(kTiltRight / (std::sqrt(2.0) * largestSigma(pose.covariance, 3)));
 }
+
+double sigmaInPlane(const RefinedPose& pose) { return largestSigma(pose.covariance, 0); }
 
 }  // namespace planar_bin_picking

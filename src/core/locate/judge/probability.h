@@ -14,6 +14,10 @@ namespace planar_bin_picking {
 /// @return  0..1; the more, the more speaks for the pose and the less against it
 double probabilityRight(const PoseEvidence& evidence);
 
+/// How probable the pose's tilt is right, by its covariance alone (Gaussian): the two tilts that an
+/// outline may leave open are part of that.
+double probabilityOfTilt(const RefinedPose& pose);
+
 /// The largest standard deviation of the pose within the part's own plane, metres.
 double sigmaInPlane(const RefinedPose& pose);
 

@@ -234,6 +234,7 @@ ScoredPose scorePose(const EdgeMap& edges, const Camera& camera, const PartModel
   if (contour.hole_weights > kResolved) evidence.holes = contour.hole_sum / contour.hole_weights;
   evidence.slide_radii = sigmaInPlane(pose) / part.radius();
   evidence.slide_px = px_per_radius * evidence.slide_radii;
+  out.covariance += pose.other_tilt * pose.other_tilt.transpose();
   out.score = probabilityRight(evidence);
   // Time: what follows only lowers it, the cheapest first, and below the threshold a pose is not
   // returned anyway.
@@ -244,6 +245,7 @@ ScoredPose scorePose(const EdgeMap& edges, const Camera& camera, const PartModel
   evidence.edges *= 1.0 - provenWrong(part, group.holes, edges, camera, pose, contour.pieces);
   evidence.edges *= extraHoleFactor(part, group, edges, camera, pose, out.covered);
   out.score = probabilityRight(evidence);
+  evidence.edges *= probabilityOfTilt(out);  // the surer of two comes first
   return out;
 }
 

@@ -54,7 +54,9 @@ std::optional<RefinedPose> fuseWithPlane(const RefinedPose& pose, const PartMode
       prior.jacobian * pose.covariance * prior.jacobian.transpose() + prior.covariance;
   if (prior.residual.dot(spread.ldlt().solve(prior.residual)) > params.gate * params.gate)
     return std::nullopt;
-  return fuseFlat(pose, part, plane, variances);
+  RefinedPose out = fuseFlat(pose, part, plane, variances);
+  out.other_tilt.setZero();  // the plane tells the two apart
+  return out;
 }
 
 std::vector<RefinedPose> fuseWithPlane(const std::vector<RefinedPose>& poses,

@@ -213,6 +213,11 @@ std::vector<std::size_t> tellingOf(const Aligner& aligner, const std::vector<Cho
   return out;
 }
 
+/// Probability of the pose, by the log odds over the other tilt.
+double sureOf(const ChosenPose& chosen, double odds) {
+  return chosen.other_tilt ? 1.0 / (1.0 + std::exp(-odds)) : 1.0;
+}
+
 /// How the parts of a picture lie, as far as is known.
 std::vector<SceneNormal> normalsOf(const std::vector<ChosenPose>& poses,
                                    const std::vector<std::size_t>& telling,
@@ -221,7 +226,7 @@ std::vector<SceneNormal> normalsOf(const std::vector<ChosenPose>& poses,
   std::vector<SceneNormal> out;
   for (const std::size_t i : telling) {
     const ChosenPose& chosen = poses[i];
-    const double sure = chosen.other_tilt ? 1.0 / (1.0 + std::exp(-odds[i])) : 1.0;
+    const double sure = sureOf(chosen, odds[i]);
     out.push_back({normalOf(chosen.pose), variances[i], sure, i});
     if (chosen.other_tilt)
       out.push_back({normalOf(*chosen.other_tilt), variances[i], 1.0 - sure, i});
@@ -262,10 +267,20 @@ void decideTilts(const Aligner& aligner, std::vector<ChosenPose>* poses) {
   }
   for (std::size_t i = 0; i < poses->size(); ++i) {
     ChosenPose& chosen = (*poses)[i];
+    chosen.odds = std::abs(odds[i]);
     if (!chosen.other_tilt || !(odds[i] < 0.0)) continue;  // what is no number decides nothing
     std::swap(chosen.pose, *chosen.other_tilt);
     aligner.alignNarrow(&chosen.pose);
   }
+}
+
+Vector6d otherTiltOf(const Aligner& aligner, const ChosenPose& decided, const RefinedPose& pose) {
+  if (!decided.other_tilt) return Vector6d::Zero();
+  const Eigen::Isometry3d T_part_centre =
+      centreOf(*aligner.outlineOf(decided.pose).part, pose.face);
+  return std::sqrt(1.0 - sureOf(decided, decided.odds)) *
+         log((pose.T_camera_part * T_part_centre).inverse() * decided.other_tilt->T_camera_part *
+             T_part_centre);
 }
 
 }  // namespace planar_bin_picking

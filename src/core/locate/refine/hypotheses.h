@@ -20,6 +20,7 @@ struct ChosenPose {
   PoseHypothesis pose;
   std::optional<PoseHypothesis> other_tilt;  ///< where it is another pose once aligned
   double lead = 0.0;  ///< log odds of pose over other_tilt, by outline, wall and print
+  double odds = 0.0;  ///< the same with how the other parts lie; decideTilts
 };
 
 /// @param pose  aligned narrowly
@@ -29,5 +30,9 @@ ChosenPose chooseHypothesis(const Aligner& aligner, const RefineParams& params,
 /// Parts rest on one another and on one floor, so how the others lie is evidence for the sign of
 /// each tilt (scene_normals.h). Poses that change are aligned anew.
 void decideTilts(const Aligner& aligner, std::vector<ChosenPose>* poses);
+
+/// RefinedPose::other_tilt.
+/// @param decided  what the pose was refined from
+Vector6d otherTiltOf(const Aligner& aligner, const ChosenPose& decided, const RefinedPose& pose);
 
 }  // namespace planar_bin_picking

@@ -77,9 +77,11 @@ std::vector<RefinedPose> refineCandidates(
   shareOffsets(&aligner, &poses, threads);
 
   std::vector<RefinedPose> out;
-  for (const auto& p : poses) {
-    const PartOutline& outline = aligner.outlineOf(p);
-    if (isDetermined(p, outline)) out.push_back(withOwnOffset(p, outline, aligner.focal()));
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const PartOutline& outline = aligner.outlineOf(poses[i]);
+    if (!isDetermined(poses[i], outline)) continue;
+    out.push_back(withOwnOffset(poses[i], outline, aligner.focal()));
+    out.back().other_tilt = otherTiltOf(aligner, chosen[i], out.back());
   }
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace planar_bin_picking {
@@ -77,6 +78,21 @@ TEST(Probability, SigmaInPlaneIsTheLargestAlongTheFace) {
   EXPECT_NEAR(sigmaInPlane(pose), 2e-3, 1e-9);
   pose.covariance(0, 1) = pose.covariance(1, 0) = 1.5e-6;  // aslant
   EXPECT_NEAR(sigmaInPlane(pose), std::sqrt(2.5e-6 + std::sqrt(4.5) * 1e-6), 1e-9);
+}
+
+TEST(Probability, OfTheTiltIsByItsLargestSigma) {
+  RefinedPose pose;
+  pose.covariance = Matrix6d::Identity();  // a radian about the normal, and a metre
+  const auto with = [&](double about_x_deg, double about_y_deg) {
+    pose.covariance(3, 3) = std::pow(about_x_deg * M_PI / 180.0, 2);
+    pose.covariance(4, 4) = std::pow(about_y_deg * M_PI / 180.0, 2);
+    return probabilityOfTilt(pose);
+  };
+  EXPECT_EQ(with(0.0, 0.0), 1.0);
+  EXPECT_GT(with(1.0, 0.5), 0.999);
+  EXPECT_NEAR(with(0.1, 6.0), 0.6827, 1e-4);
+  EXPECT_NEAR(with(6.0, 0.1), 0.6827, 1e-4);
+  EXPECT_NEAR(with(3.0, 0.1), 0.9545, 1e-4);
 }
 
 }  // namespace

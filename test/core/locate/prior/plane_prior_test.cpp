@@ -93,6 +93,14 @@ TEST(PlanePrior, SharpensDepthAndTiltOfBothFaces) {
   }
 }
 
+TEST(PlanePrior, TellsTwoTiltsApart) {
+  const Plane plane = leaningBelt();
+  const auto truth = lyingOn(plane, *kParts[0], Face::kFront, 0.07, -0.04, 0.8);
+  RefinedPose found = foundNear(truth, Face::kFront, vector6(0, 0, 1e-3, 0.01, 0, 0));
+  found.other_tilt = vector6(0, 0, 0, 0.1, 0, 0);
+  EXPECT_TRUE(fuseWithPlane(found, *kParts[0], plane, {}).value().other_tilt.isZero(0.0));
+}
+
 TEST(PlanePrior, PictureAndPlaneCountByTheirPrecisions) {
   const Plane plane{-Eigen::Vector3d::UnitZ(), 0.6};
   const auto truth = lyingOn(plane, *kParts[0], Face::kFront, 0.0, 0.0, 0.0);

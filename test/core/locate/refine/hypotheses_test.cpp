@@ -320,11 +320,8 @@ TEST_F(DecideTilts, AnAmbiguousOneTurnsToTheWayTheOthersLie) {
   EXPECT_TRUE(isometryNear(poses[0].other_tilt->T_camera_part, tilted(-10.0), 1e-9, 1e-6));
 }
 
-TEST_F(DecideTilts, ASureOneIsLeft) {
+TEST_F(DecideTilts, ASureOneIsLeftAndSoIsOneWithoutAnother) {
   EXPECT_NEAR(decided(posesOf(-10.0, 50.0, 6, 10.0)), -10.0, 1e-6);
-}
-
-TEST_F(DecideTilts, WithoutAnotherTiltItIsLeft) {
   std::vector<ChosenPose> poses = posesOf(-10.0, 0.0, 6, 10.0);
   poses[0].other_tilt.reset();
   EXPECT_NEAR(decided(poses), -10.0, 1e-6);
@@ -385,6 +382,18 @@ TEST_F(DecideTilts, APoseThatHardlyTellsItsTiltIsLeft) {
   std::vector<ChosenPose> poses = posesOf(-10.0, 1.0, 6, 10.0);
   poses[0].pose.image.covariance = Matrix6d::Identity();
   EXPECT_NEAR(decided(poses), -10.0, 1e-6);
+}
+
+TEST_F(DecideTilts, TheOtherTiltStaysByItsOdds) {
+  const auto degrees = [&](double lead, int others, double others_deg) {
+    std::vector<ChosenPose> poses = posesOf(-10.0, lead, others, others_deg);
+    decideTilts(viewed_.aligner(), &poses);
+    const RefinedPose refined{0, Face::kFront, poses[0].pose.T_camera_part};
+    return otherTiltOf(viewed_.aligner(), poses[0], refined).tail<3>().norm() / kDegrees;
+  };
+  EXPECT_NEAR(degrees(0.0, 0, 0.0), 20.0 * std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(degrees(-std::log(3.0), 0, 0.0), 10.0, 0.3);
+  EXPECT_LT(degrees(0.0, 6, 10.0), 6.0);
 }
 
 }  // namespace
