@@ -193,6 +193,16 @@ class Operation(TuningCases, CheckCellCases, RegionCases, unittest.TestCase):
         program = roslib.packages.find_node("planar_bin_picking", command[0])[0]
         return subprocess.run([program, *command[1:]], capture_output=True, text=True, timeout=UP)
 
+    def assert_floor_is_the_bins(self, folder):
+        """The bin has the base's axes: up is the base's z, as the camera sees it."""
+        with open(os.path.join(folder, "request.yaml")) as file:
+            up = yaml.safe_load(file)["floor_normal"]
+        with open(os.path.join(folder, "transform.txt")) as file:
+            rotation = yaml.safe_load(file)["rotation"]
+        x, y, z, w = (rotation[axis] for axis in "xyzw")
+        row = [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]  # of base from camera
+        numpy.testing.assert_allclose(up, row, atol=1e-5)
+
     def test_snapshots_give_the_same_answer(self):
         save = rospy.ServiceProxy("op/save_snapshot", Trigger)
         answer = self.call("op", Status.OK, part="bracket", face=LocatePartRequest.FRONT)
@@ -203,6 +213,7 @@ class Operation(TuningCases, CheckCellCases, RegionCases, unittest.TestCase):
                      "parts/bracket.yaml", "ros_request.txt", "ros_answer.txt", "ros_camera_info.txt",
                      "transform.txt", "settings.txt"):
             self.assertTrue(os.path.getsize(os.path.join(folder, name)) > 0, name)
+        self.assert_floor_is_the_bins(folder)
         replay = self.run_tool("replay_snapshot", folder)
         self.assertEqual(replay.returncode, 0, replay.stdout + replay.stderr)
         self.assertIn("the same", replay.stdout)

@@ -43,6 +43,9 @@ struct LocateRequest {
   /// the picture's border. It grows to hold the camera's principal point.
   std::optional<PixelBox> window;
   std::optional<Plane> plane;  ///< in place of the one that LocatorParams::plane may say
+  /// Of a bin's floor, unit, camera frame, toward the camera: some parts lie flat on it, which is
+  /// evidence where a picture leaves the sign of a tilt open.
+  std::optional<Eigen::Vector3d> floor_normal;
 };
 
 /// Why something that was found is no detection.

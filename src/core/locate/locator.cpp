@@ -154,8 +154,8 @@ LocateResult Locator::locate(const cv::Mat& whole, const Camera& whole_camera,
   }
   clock.finish("hough", candidates.size());
 
-  auto refined =
-      refineCandidates(edges, camera, request.parts, candidates, params_.refine, threads);
+  auto refined = refineCandidates(edges, camera, request.parts, candidates, request.floor_normal,
+                                  params_.refine, threads);
   if (!plane) fuseWithScenePlane(request.parts, &refined);
   clock.finish("refine", refined.size());
 

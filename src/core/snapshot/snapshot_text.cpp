@@ -113,6 +113,7 @@ std::string requestText(const LocateRequest& request, const std::string& version
     text += "plane_normal: " + list(request.plane->normal_camera) +
             "\nplane_distance: " + allDigits(request.plane->distance) + "\n";
   }
+  if (request.floor_normal) text += "floor_normal: " + list(*request.floor_normal) + "\n";
   return text;
 }
 
@@ -120,7 +121,7 @@ RequestFile readRequestFile(const std::string& path) {
   const YAML::Node root = loadYamlMap(path);
   refuseUnknownKeys(root, path,
                     {"version", "parts", "face", "max_parts", "distance_min", "distance_max",
-                     "window", "plane_normal", "plane_distance"});
+                     "window", "plane_normal", "plane_distance", "floor_normal"});
   RequestFile file;
   file.version = valueAs<std::string>(root["version"], path, "version", "a version");
   file.parts = valueAs<std::vector<std::string>>(root["parts"], path, "parts", "a list of files");
@@ -149,6 +150,8 @@ RequestFile readRequestFile(const std::string& path) {
         Plane{triple(root["plane_normal"], path, "plane_normal"),
               valueAs<double>(root["plane_distance"], path, "plane_distance", "metres")};
   }
+  if (root["floor_normal"])
+    file.request.floor_normal = triple(root["floor_normal"], path, "floor_normal");
   return file;
 }
 

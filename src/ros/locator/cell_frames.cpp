@@ -66,8 +66,11 @@ Standing CellFrames::at(const CellParams& cell, const std_msgs::Header& image,
 
 LocateRequest CellFrames::request(const CellParams& cell, const Standing& standing) const {
   DistanceRange range{cell.distance_min, cell.distance_max};
-  if (standing.T_camera_bin) range = distanceRange(cell, *standing.T_camera_bin);
   LocateRequest request;
+  if (standing.T_camera_bin) {
+    range = distanceRange(cell, *standing.T_camera_bin);
+    request.floor_normal = standing.T_camera_bin->linear().col(2);
+  }
   request.distance_min = range.min;
   request.distance_max = range.max;
   request.max_parts = 0;

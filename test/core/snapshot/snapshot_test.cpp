@@ -38,6 +38,7 @@ Snapshot example() {
   snapshot.request.max_parts = 4;
   snapshot.request.window = PixelBox{10, 0, 80, 66};
   snapshot.request.plane = Plane{Eigen::Vector3d(0.1, 0.2, -1.0).normalized(), 1.0 / 3.0};
+  snapshot.request.floor_normal = Eigen::Vector3d(-0.1, 0.3, -1.0).normalized();
   return snapshot;
 }
 
@@ -72,6 +73,7 @@ TEST(Snapshot, GivesBackEveryBit) {
   ASSERT_TRUE(in.request.plane.has_value());
   EXPECT_EQ(in.request.plane->normal_camera, out.request.plane->normal_camera);
   EXPECT_EQ(in.request.plane->distance, out.request.plane->distance);
+  EXPECT_EQ(in.request.floor_normal, out.request.floor_normal);
   ASSERT_EQ(in.request.parts.size(), 1u);
   EXPECT_EQ(in.request.parts.front()->name(), "bracket");
   EXPECT_EQ(in.result, out.result);

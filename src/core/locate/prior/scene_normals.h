@@ -20,7 +20,7 @@ namespace planar_bin_picking {
 struct SceneNormal {
   Eigen::Vector3d normal_camera;
   double variance;     ///< rad^2 per axis, as measured
-  double probability;  ///< 0..1
+  double probability;  ///< 0..1, or as how many parts it counts
   std::size_t part;    ///< those of one number are ways in which one part may lie
 };
 

@@ -46,6 +46,8 @@ constexpr double kTells = 0.7;
 /// Radii within which the centres of two poses are one place: a bar lies in a picture of bars in
 /// many ways along the edges of the others, and all but one of them are none.
 constexpr double kOnePlace = 0.5;
+/// How exactly a bin's floor is known, radians, and as how many parts it counts.
+constexpr double kFloorSigma = 0.02, kFloorParts = 2.0;
 /// What is decided of the others tells more of each.
 constexpr int kTiltRounds = 3;
 constexpr std::size_t kMostAligned = 8;  // near-symmetries of one pose, the best in the field: time
@@ -245,7 +247,8 @@ ChosenPose chooseHypothesis(const Aligner& aligner, const RefineParams& params,
   return chosen;
 }
 
-void decideTilts(const Aligner& aligner, std::vector<ChosenPose>* poses) {
+void decideTilts(const Aligner& aligner, const std::optional<Eigen::Vector3d>& floor_normal,
+                 std::vector<ChosenPose>* poses) {
   std::vector<double> variances, odds;  // rad^2 per axis; log odds of pose over other_tilt
   for (const ChosenPose& chosen : *poses) {
     const Matrix6d covariance =
@@ -255,7 +258,9 @@ void decideTilts(const Aligner& aligner, std::vector<ChosenPose>* poses) {
   }
   const auto telling = tellingOf(aligner, *poses);
   for (int round = 0; round < kTiltRounds; ++round) {
-    const auto scene = normalsOf(*poses, telling, variances, odds);
+    auto scene = normalsOf(*poses, telling, variances, odds);
+    if (floor_normal)
+      scene.push_back({*floor_normal, kFloorSigma * kFloorSigma, kFloorParts, poses->size()});
     for (std::size_t i = 0; i < poses->size(); ++i) {
       const ChosenPose& chosen = (*poses)[i];
       if (!chosen.other_tilt) continue;

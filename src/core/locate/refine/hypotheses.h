@@ -27,9 +27,10 @@ struct ChosenPose {
 ChosenPose chooseHypothesis(const Aligner& aligner, const RefineParams& params,
                             const PoseHypothesis& pose);
 
-/// Parts rest on one another and on one floor, so how the others lie is evidence for the sign of
-/// each tilt (scene_normals.h). Poses that change are aligned anew.
-void decideTilts(const Aligner& aligner, std::vector<ChosenPose>* poses);
+/// Parts rest on one another and on one floor, so how the others and the floor lie is evidence for
+/// the sign of each tilt (scene_normals.h). Poses that change are aligned anew.
+void decideTilts(const Aligner& aligner, const std::optional<Eigen::Vector3d>& floor_normal,
+                 std::vector<ChosenPose>* poses);
 
 /// RefinedPose::other_tilt.
 /// @param decided  what the pose was refined from

@@ -30,7 +30,8 @@ bool isDetermined(const PoseHypothesis& pose, const PartOutline& outline) {
 std::vector<RefinedPose> refineCandidates(
     const EdgeMap& edges, const Camera& camera,
     const std::vector<std::shared_ptr<const PartModel>>& parts,
-    const std::vector<Candidate>& candidates, const RefineParams& params, int threads) {
+    const std::vector<Candidate>& candidates, const std::optional<Eigen::Vector3d>& floor_normal,
+    const RefineParams& params, int threads) {
   Aligner aligner(edges, camera, params, parts);
   std::vector<PoseHypothesis> poses(candidates.size());
   const auto forAll = [&](auto&& step) {
@@ -69,7 +70,7 @@ std::vector<RefinedPose> refineCandidates(
   keepOnly(withoutDuplicates(poses, aligner.outlines(), kSameInImage, params.search_inliers_min,
                              {0, params.max_poses}),
            &chosen);
-  decideTilts(aligner, &chosen);
+  decideTilts(aligner, floor_normal, &chosen);
   poses.clear();
   for (const auto& c : chosen) poses.push_back(c.pose);
   estimateEdgeOffsets(poses, &aligner.outlines());

@@ -10,15 +10,18 @@
 #include "planar_bin_picking/part/part_model.h"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace planar_bin_picking {
 
 /// @param parts       those that Candidate::part indexes
+/// @param floor_normal  as LocateRequest::floor_normal
 /// @return            poses without duplicates, highest inlier score first
 std::vector<RefinedPose> refineCandidates(
     const EdgeMap& edges, const Camera& camera,
     const std::vector<std::shared_ptr<const PartModel>>& parts,
-    const std::vector<Candidate>& candidates, const RefineParams& params, int threads);
+    const std::vector<Candidate>& candidates, const std::optional<Eigen::Vector3d>& floor_normal,
+    const RefineParams& params, int threads);
 
 }  // namespace planar_bin_picking

@@ -1,47 +1,12 @@
 // SPDX-FileCopyrightText: The planar_bin_picking authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "locate/refine/hypotheses.h"
-
-#include "locate/refine/edge_offset.h"
-#include "part/visible_face.h"
 #include "support/matchers.h"
-#include "support/stages.h"
+#include "viewed.h"
 
 #include <gtest/gtest.h>
 
 namespace planar_bin_picking {
 namespace {
-
-constexpr double kMetres = 1e-3, kRadians = 1.5 * kDegrees;
-
-/// Half the bracket: so small that its picture hardly tells the sign of the tilt.
-sim::Plate smallBracket(double thickness_mm = 0.0) {
-  sim::Plate plate = bracketPlate();
-  for (auto& p : plate.outer) p *= 0.5;
-  for (auto& hole : plate.holes)
-    for (auto& p : hole) p *= 0.5;
-  plate.thickness_mm = thickness_mm;
-  return plate;
-}
-
-/// 60 x 40 mm: the one hole alone tells it from its half turn and from its other face.
-sim::Plate oneHolePlate() {
-  return {rectangle(-30, -20, 30, 20), {circle(17, 9, 4, true)}, {}, 0.0};
-}
-
-/// Near the optical axis, where tilts of either sign look most alike.
-Eigen::Isometry3d tilted(double tilt_deg, double yaw_deg = 20.0, bool front = true) {
-  return sim::poseOf({0, 0, 600, yaw_deg, tilt_deg, 70, front});
-}
-
-/// About the part's z.
-Eigen::Isometry3d turned(const Eigen::Isometry3d& T_camera_part, double degrees) {
-  return T_camera_part * Eigen::AngleAxisd(degrees * kDegrees, Eigen::Vector3d::UnitZ());
-}
-
-Eigen::Vector3d normalOf(const PoseHypothesis& pose) {
-  return planar_bin_picking::normalOf(pose.T_camera_part, pose.face);
-}
 
 /// What the outline says of two tilts: by the mean of the points, and by how far their edges lie
 /// off, of which five tell for themselves, to a twentieth of a pixel.
@@ -53,44 +18,6 @@ double outlineLead(const ChosenPose& chosen) {
   return (pose.inlier_score - other.inlier_score) / 0.05 +
          5.0 * std::log(residual(other) / residual(pose));
 }
-
-/// A scene with an aligner over it, for one part.
-class Viewed {
- public:
-  Viewed(const sim::Plate& plate, const sim::Scene& scene)
-      : shot_(shoot(scene)),
-        parts_{makePart("plate", plate)},
-        aligner_(shot_.edges, shot_.camera, params_, parts_) {}
-  Viewed(const sim::Plate& plate, const Eigen::Isometry3d& T_camera_part)
-      : Viewed(plate, sceneAt(plate, T_camera_part)) {}
-  Viewed(const Viewed&) = delete;
-  Viewed& operator=(const Viewed&) = delete;
-
-  static sim::Scene sceneAt(const sim::Plate& plate, const Eigen::Isometry3d& T_camera_part) {
-    sim::Scene scene;
-    scene.plates.push_back({plate, T_camera_part});
-    return scene;
-  }
-  PoseHypothesis alignedAt(const Eigen::Isometry3d& T_camera_part) const {
-    PoseHypothesis pose;
-    pose.face = faceOf(T_camera_part);
-    pose.T_camera_part = T_camera_part;
-    aligner_.alignNarrow(&pose);
-    return pose;
-  }
-  ChosenPose chosenFrom(const Eigen::Isometry3d& T_camera_part) const {
-    return chooseHypothesis(aligner_, params_, alignedAt(T_camera_part));
-  }
-  RefineParams& params() { return params_; }
-  const Aligner& aligner() const { return aligner_; }
-  const Parts& parts() const { return parts_; }
-
- private:
-  RefineParams params_;
-  Shot shot_;
-  Parts parts_;
-  Aligner aligner_;
-};
 
 TEST(OtherTilt, TheOutlineTellsWhichIsRight) {
   const Eigen::Isometry3d truth = tilted(12.0);
@@ -271,129 +198,6 @@ TEST(Print, DecidesBetweenNearSymmetriesWhereTheOutlineDoesNot) {
     EXPECT_EQ(chosen.face, Face::kFront);
     EXPECT_TRUE(isometryNear(chosen.T_camera_part, truth, kMetres, kRadians));
   }
-}
-
-/// One small bracket whose tilt is 10 degrees, either way, among others that are only told of.
-class DecideTilts : public testing::Test {
- protected:
-  /// As if aligned to a thousandth of a radian.
-  static PoseHypothesis toldAt(const Eigen::Isometry3d& T_camera_part, const PartModel& part) {
-    PoseHypothesis pose;
-    pose.face = faceOf(T_camera_part);
-    pose.T_camera_part = T_camera_part;
-    pose.inlier_score = 0.9;
-    pose.image.status = AlignmentStatus::kAligned;
-    pose.image.T_camera_centre = T_camera_part * centreOf(part, pose.face);
-    pose.image.covariance = 1e-6 * Matrix6d::Identity();
-    return pose;
-  }
-  /// @param place  0 = in the picture; others are apart from one another
-  PoseHypothesis told(double tilt_deg, int place = 0) const {
-    const Eigen::Translation3d there(0.3 * place, 0.0, 0.0);
-    return toldAt(there * tilted(tilt_deg), *viewed_.parts()[0]);
-  }
-  /// The first of `tilt_deg` with its other, and `count` sure ones of `others_deg`.
-  std::vector<ChosenPose> posesOf(double tilt_deg, double lead, int count,
-                                  double others_deg) const {
-    std::vector<ChosenPose> poses = {{told(tilt_deg), told(-tilt_deg), lead}};
-    for (int i = 0; i < count; ++i) poses.push_back({told(others_deg, i + 1), std::nullopt, 0.0});
-    return poses;
-  }
-  /// Of the first pose once decided, degrees about the axis of tilted().
-  double decided(std::vector<ChosenPose> poses) const {
-    decideTilts(viewed_.aligner(), &poses);
-    const Eigen::Vector3d axis(std::cos(70 * kDegrees), std::sin(70 * kDegrees), 0.0);
-    const Eigen::Vector3d up = -Eigen::Vector3d::UnitZ(), n = normalOf(poses[0].pose);
-    return std::asin(up.cross(n).dot(axis)) / kDegrees;
-  }
-  Eigen::Isometry3d truth_ = tilted(10.0);
-  Viewed viewed_{smallBracket(), truth_};
-};
-
-TEST_F(DecideTilts, AnAmbiguousOneTurnsToTheWayTheOthersLie) {
-  std::vector<ChosenPose> poses = posesOf(-10.0, 1.0, 6, 10.0);
-  EXPECT_NEAR(decided(poses), 10.0, 1.0);
-  decideTilts(viewed_.aligner(), &poses);
-  // Aligned anew: with the score that the picture gives, and with the other in its place.
-  EXPECT_NE(poses[0].pose.inlier_score, 0.9);
-  EXPECT_TRUE(isometryNear(poses[0].pose.T_camera_part, truth_, kMetres, kRadians));
-  EXPECT_TRUE(isometryNear(poses[0].other_tilt->T_camera_part, tilted(-10.0), 1e-9, 1e-6));
-}
-
-TEST_F(DecideTilts, ASureOneIsLeftAndSoIsOneWithoutAnother) {
-  EXPECT_NEAR(decided(posesOf(-10.0, 50.0, 6, 10.0)), -10.0, 1e-6);
-  std::vector<ChosenPose> poses = posesOf(-10.0, 0.0, 6, 10.0);
-  poses[0].other_tilt.reset();
-  EXPECT_NEAR(decided(poses), -10.0, 1e-6);
-}
-
-TEST_F(DecideTilts, NoOthersSayNothing) {
-  EXPECT_NEAR(decided(posesOf(-10.0, 0.0, 0, 10.0)), -10.0, 1e-6);
-  EXPECT_NEAR(decided(posesOf(-10.0, 0.0, 1, 10.0)), 10.0, 1.0);
-}
-
-TEST_F(DecideTilts, OthersThatHardlyFitSayNothing) {
-  std::vector<ChosenPose> poses = posesOf(-10.0, 0.0, 6, 10.0);
-  for (std::size_t i = 1; i < poses.size(); ++i) poses[i].pose.inlier_score = 0.69;
-  EXPECT_NEAR(decided(poses), -10.0, 1e-6);
-}
-
-TEST_F(DecideTilts, OfSeveralAboutOnePlaceTheBestCounts) {
-  std::vector<ChosenPose> poses = posesOf(-10.0, 0.0, 2, 10.0);
-  for (int i = 0; i < 6; ++i) {
-    poses.push_back({told(-10.0, 1), std::nullopt, 0.0});
-    poses.back().pose.inlier_score = 0.89;
-  }
-  EXPECT_NEAR(decided(poses), 10.0, 1.0);
-}
-
-TEST_F(DecideTilts, WhatIsDecidedOfOneTellsOfTheNext) {
-  std::vector<ChosenPose> poses = posesOf(-10.0, 0.6, 0, 0.0);
-  for (int i = 1; i <= 6; ++i) poses.push_back({told(-10.0, i), told(10.0, i), 0.2});
-  for (int i = 7; i <= 8; ++i) poses.push_back({told(10.0, i), std::nullopt, 0.0});
-  EXPECT_NEAR(decided(poses), 10.0, 1.0);
-}
-
-TEST_F(DecideTilts, OfOthersThatLieEitherWayTheSurerCount) {
-  const auto with = [&](double lead_right, double lead_wrong) {
-    std::vector<ChosenPose> poses = posesOf(-10.0, 0.5, 0, 0.0);
-    for (int i = 1; i <= 3; ++i) poses.push_back({told(10.0, i), told(-10.0, i), lead_right});
-    for (int i = 4; i <= 8; ++i) poses.push_back({told(-10.0, i), told(10.0, i), lead_wrong});
-    return decided(poses);
-  };
-  EXPECT_NEAR(with(6.0, 0.0), 10.0, 1.0);
-  EXPECT_NEAR(with(6.0, 6.0), -10.0, 1e-6);
-}
-
-/// Against a plane that is known to a fraction of a degree, of a part that lies on it in nine of
-/// ten cases, 20 degrees are two standard deviations of 10 degrees off: odds of some exp(-2 * 2) /
-/// 2 and what a part that lies anyhow adds.
-TEST_F(DecideTilts, ThePosesOwnTiltErrorSetsTheOdds) {
-  const auto with = [&](double lead) {
-    std::vector<ChosenPose> poses = posesOf(-10.0, lead, 6, 10.0);
-    poses[0].pose.image.covariance(3, 3) = poses[0].pose.image.covariance(4, 4) = 0.01;
-    return decided(poses);
-  };
-  EXPECT_NEAR(with(4.2), 10.0, 1.0);
-  EXPECT_NEAR(with(5.4), -10.0, 1e-6);
-}
-
-TEST_F(DecideTilts, APoseThatHardlyTellsItsTiltIsLeft) {
-  std::vector<ChosenPose> poses = posesOf(-10.0, 1.0, 6, 10.0);
-  poses[0].pose.image.covariance = Matrix6d::Identity();
-  EXPECT_NEAR(decided(poses), -10.0, 1e-6);
-}
-
-TEST_F(DecideTilts, TheOtherTiltStaysByItsOdds) {
-  const auto degrees = [&](double lead, int others, double others_deg) {
-    std::vector<ChosenPose> poses = posesOf(-10.0, lead, others, others_deg);
-    decideTilts(viewed_.aligner(), &poses);
-    const RefinedPose refined{0, Face::kFront, poses[0].pose.T_camera_part};
-    return otherTiltOf(viewed_.aligner(), poses[0], refined).tail<3>().norm() / kDegrees;
-  };
-  EXPECT_NEAR(degrees(0.0, 0, 0.0), 20.0 * std::sqrt(0.5), 1e-6);
-  EXPECT_NEAR(degrees(-std::log(3.0), 0, 0.0), 10.0, 0.3);
-  EXPECT_LT(degrees(0.0, 6, 10.0), 6.0);
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ namespace {
 std::vector<RefinedPose> refined(const Shot& shot, const Parts& parts,
                                  const std::vector<Candidate>& candidates,
                                  const RefineParams& params = {}, int threads = 1) {
-  return refineCandidates(shot.edges, shot.camera, parts, candidates, params, threads);
+  return refineCandidates(shot.edges, shot.camera, parts, candidates, std::nullopt, params,
+                          threads);
 }
 
 /// A tenth of a pixel is 0.04 mm here; depth and tilt follow from the outline's size, 80 mm.

@@ -38,7 +38,8 @@ class SharedOffset : public testing::Test {
       starts.push_back(candidateNear(lies_[i], 0.0, 0.0, i % 2 == 0 ? 8.0 : -8.0));
     const Shot shot = shoot(scene_);
     const Parts parts = {makePart("strip", bevelledStrip(0.0))};
-    const auto poses = refineCandidates(shot.edges, shot.camera, parts, starts, {}, 1);
+    const auto poses =
+        refineCandidates(shot.edges, shot.camera, parts, starts, std::nullopt, {}, 1);
     std::vector<RefinedPose> out;
     for (const auto& lie : lies_)
       for (const RefinedPose& p : poses)
