@@ -153,10 +153,10 @@ Eigen::Isometry3d alignInField(const Field& field, const FieldPoints& points, do
   minimiser.width = std::max(reach_px, params.field_reach_end_px);
   minimiser.width_end = params.field_reach_end_px;
   minimiser.width_decay = kReachDecay;
-  return minimise(T_camera_centre, minimiser, evaluate,
-                  [&](const Eigen::Isometry3d& T, const Vector6d& xi) {
-                    return stepped(T, xi.cwiseMax(-kStepMost).cwiseMin(kStepMost), radius);
-                  });
+  const auto advance = [&](const Eigen::Isometry3d& T, const Vector6d& xi) {
+    return stepped(T, xi.cwiseMax(-kStepMost).cwiseMin(kStepMost), radius);
+  };
+  return minimise(T_camera_centre, minimiser, evaluate, advance).state;
 }
 
 double fieldInlierScore(const Field& field, const FieldPoints& points, double radius,

@@ -269,16 +269,23 @@ NormalEquations normalEquations(const std::vector<Row>& rows, const Vector6d& xi
   return RowLanes(rows).equationsAt(xi, tukey_px);
 }
 
-ImagePose imagePoseAt(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
-                      const Eigen::Isometry3d& T_camera_centre, double radius) {
-  const NormalEquations system = normalEquations(rows, xi, tukey_px);
+/// Unless too few edges hold it.
+static ImagePose steppedPose(const Vector6d& xi, int used, const Eigen::Isometry3d& T_camera_centre,
+                             double radius) {
   ImagePose out;
-  out.T_camera_centre = T_camera_centre;
-  out.used = system.used;
-  out.status = AlignmentStatus::kTooFewEdges;
-  if (out.used < kFewEdges) return out;
-  out.status = AlignmentStatus::kAligned;
-  out.T_camera_centre = stepped(T_camera_centre, xi, radius);
+  out.used = used;
+  const bool few = used < kFewEdges;
+  out.status = few ? AlignmentStatus::kTooFewEdges : AlignmentStatus::kAligned;
+  out.T_camera_centre = few ? T_camera_centre : stepped(T_camera_centre, xi, radius);
+  return out;
+}
+
+/// @param system  of the rows at xi
+static ImagePose imagePoseOf(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
+                             const NormalEquations& system,
+                             const Eigen::Isometry3d& T_camera_centre, double radius) {
+  ImagePose out = steppedPose(xi, system.used, T_camera_centre, radius);
+  if (out.status != AlignmentStatus::kAligned) return out;
   out.residual_px = robustSpread(rows, xi, tukey_px);
   const Matrix6d H = system.H + kPrior * Matrix6d::Identity();
   const Eigen::LDLT<Matrix6d> solver(H);
@@ -287,10 +294,16 @@ ImagePose imagePoseAt(const std::vector<Row>& rows, const Vector6d& xi, double t
   return out;
 }
 
-/// One association, and the steps of its robust least squares.
+ImagePose imagePoseAt(const std::vector<Row>& rows, const Vector6d& xi, double tukey_px,
+                      const Eigen::Isometry3d& T_camera_centre, double radius) {
+  return imagePoseOf(rows, xi, tukey_px, normalEquations(rows, xi, tukey_px), T_camera_centre,
+                     radius);
+}
+
+/// One association, and where the steps of its robust least squares end.
 struct Steps {
   std::vector<Row> rows;
-  Vector6d xi;
+  Minimum<Vector6d> end;
 };
 
 static Steps stepsOf(const EdgeMap& edges, const Camera& camera,
@@ -303,7 +316,7 @@ static Steps stepsOf(const EdgeMap& edges, const Camera& camera,
   params.width = params.width_end = tukey_px;
   params.gain_least = kGainLeast * static_cast<double>(out.rows.size());
   RowLanes lanes(out.rows);
-  out.xi = minimise(
+  out.end = minimise(
       Vector6d(Vector6d::Zero()), params,
       [&](const Vector6d& at, int, double width) { return lanes.equationsAt(at, width); },
       [](const Vector6d& at, const Vector6d& step) -> Vector6d {
@@ -312,35 +325,34 @@ static Steps stepsOf(const EdgeMap& edges, const Camera& camera,
   return out;
 }
 
-Eigen::Isometry3d stepInImage(const EdgeMap& edges, const Camera& camera,
-                              const std::vector<LocalPoint>& points, const Solid& solid,
-                              const Eigen::Isometry3d& T_camera_centre,
-                              const SearchProfile& profile, double tukey_px) {
-  const auto [rows, xi] = stepsOf(edges, camera, points, solid, T_camera_centre, profile, tukey_px);
-  const bool few = normalEquations(rows, xi, tukey_px).used < kFewEdges;
-  return few ? T_camera_centre : stepped(T_camera_centre, xi, solid.radius);
+ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
+                      const std::vector<LocalPoint>& points, const Solid& solid,
+                      const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
+                      double tukey_px) {
+  const auto end = stepsOf(edges, camera, points, solid, T_camera_centre, profile, tukey_px).end;
+  return steppedPose(end.state, end.equations.used, T_camera_centre, solid.radius);
 }
 
 /// What one view tells of the pose: the covariance with the shift by the light, and with what the
 /// outline's points that are not found say of the others.
 /// @param points  of the outline, found or not
-static ImagePose toldByOneView(const std::vector<Row>& rows, std::size_t points, const Vector6d& xi,
-                               double tukey_px, const Eigen::Isometry3d& T_camera_centre,
-                               double radius) {
-  ImagePose out = imagePoseAt(rows, xi, tukey_px, T_camera_centre, radius);
-  if (out.status != AlignmentStatus::kAligned) return out;
-  const double not_found = (static_cast<double>(points) - out.used) / out.used;
-  out.covariance.topLeftCorner<3, 3>() += lightVariance(rows, out.T_camera_centre);
-  out.covariance *= kAllFound + kNotFound * not_found;
-  return out;
+static void addOfOneView(const std::vector<Row>& rows, std::size_t points, ImagePose* pose) {
+  if (pose->status != AlignmentStatus::kAligned) return;
+  const double not_found = (static_cast<double>(points) - pose->used) / pose->used;
+  pose->covariance.topLeftCorner<3, 3>() += lightVariance(rows, pose->T_camera_centre);
+  pose->covariance *= kAllFound + kNotFound * not_found;
 }
 
 ImagePose alignInImage(const EdgeMap& edges, const Camera& camera,
                        const std::vector<LocalPoint>& points, const Solid& solid,
                        const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
                        double tukey_px) {
-  const auto [rows, xi] = stepsOf(edges, camera, points, solid, T_camera_centre, profile, tukey_px);
-  return toldByOneView(rows, points.size(), xi, tukey_px, T_camera_centre, solid.radius);
+  const auto [rows, end] =
+      stepsOf(edges, camera, points, solid, T_camera_centre, profile, tukey_px);
+  ImagePose out =
+      imagePoseOf(rows, end.state, tukey_px, end.equations, T_camera_centre, solid.radius);
+  addOfOneView(rows, points.size(), &out);
+  return out;
 }
 
 ImagePose lookInImage(const EdgeMap& edges, const Camera& camera,
@@ -348,8 +360,9 @@ ImagePose lookInImage(const EdgeMap& edges, const Camera& camera,
                       const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
                       double tukey_px) {
   const auto rows = associate(edges, camera, points, solid, T_camera_centre, profile);
-  return toldByOneView(rows, points.size(), Vector6d::Zero(), tukey_px, T_camera_centre,
-                       solid.radius);
+  ImagePose out = imagePoseAt(rows, Vector6d::Zero(), tukey_px, T_camera_centre, solid.radius);
+  addOfOneView(rows, points.size(), &out);
+  return out;
 }
 
 }  // namespace planar_bin_picking

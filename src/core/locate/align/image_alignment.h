@@ -67,12 +67,12 @@ Eigen::Matrix3d lightVariance(const std::vector<AlignmentRow>& rows,
 ImagePose imagePoseAt(const std::vector<AlignmentRow>& rows, const Vector6d& xi, double tukey_px,
                       const Eigen::Isometry3d& T_camera_centre, double radius);
 
-/// One association and a few steps from it: the pose alone, where more steps follow. Left alone
-/// where too few edges are found.
-Eigen::Isometry3d stepInImage(const EdgeMap& edges, const Camera& camera,
-                              const std::vector<LocalPoint>& points, const Solid& solid,
-                              const Eigen::Isometry3d& T_camera_centre,
-                              const SearchProfile& profile, double tukey_px);
+/// One association and a few steps from it: status, pose and `used` alone, where more steps follow.
+/// The pose is left alone where too few edges are found.
+ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
+                      const std::vector<LocalPoint>& points, const Solid& solid,
+                      const Eigen::Isometry3d& T_camera_centre, const SearchProfile& profile,
+                      double tukey_px);
 
 /// The same as the last step, with what the edges say of the pose by Tukey weights of width
 /// `tukey_px`; the covariance with the shift by the light, and the larger the more of the points

@@ -35,12 +35,18 @@ struct LevenbergMarquardtParams {
   double gain_least = 0.0;              ///< ends where a step lowers the cost by less
 };
 
+/// The best state, and the equations at it.
+template <class State>
+struct Minimum {
+  State state;
+  NormalEquations equations;
+};
+
 /// @param evaluate  (state, index of the evaluation, width) -> NormalEquations there
 /// @param advance   (state, xi) -> State
-/// @return          the best state
 template <class State, class Evaluate, class Advance>
-State minimise(const State& start, const LevenbergMarquardtParams& params, Evaluate&& evaluate,
-               Advance&& advance) {
+Minimum<State> minimise(const State& start, const LevenbergMarquardtParams& params,
+                        Evaluate&& evaluate, Advance&& advance) {
   // The usual damping: little at first, less after a step that lowers the cost, ten times as much
   // after one that does not.
   constexpr double kLambda = 1e-3, kLambdaLeast = 1e-4, kLambdaMost = 1e3;
@@ -49,26 +55,27 @@ State minimise(const State& start, const LevenbergMarquardtParams& params, Evalu
   // part's axis is so weakly determined that undamped steps leap. The last one is for what nothing
   // determines.
   constexpr double kIsotropic = 0.02, kNothing = 1e-9;
-  State best = start, next = start;
-  NormalEquations at_best;
+  Minimum<State> best{start, {}};
+  State next = start;
   double lambda = kLambda, width = params.width, last_width = 0.0;
   for (int k = 0; k < params.evaluations; ++k) {
     const NormalEquations here = evaluate(next, k, width);
     // Costs compare only at one width, so a new width starts a new comparison.
     const bool comparable = width == last_width;
-    if (!comparable || here.cost <= at_best.cost) {
-      const double gain = at_best.cost - here.cost;
-      best = next;
-      at_best = here;
+    if (!comparable || here.cost <= best.equations.cost) {
+      const double gain = best.equations.cost - here.cost;
+      best = {next, here};
       lambda = std::max(kLambdaLeast, kBetter * lambda);
       if (comparable && gain < params.gain_least) break;
     } else {
       lambda = std::min(kLambdaMost, kWorse * lambda);
     }
-    Matrix6d H = at_best.H;
-    H.diagonal().array() += lambda * at_best.H.diagonal().array() +
-                            lambda * kIsotropic * at_best.H.trace() / 6.0 + kNothing;
-    next = advance(best, Vector6d(-H.ldlt().solve(at_best.b)));
+    if (k + 1 == params.evaluations) break;
+    const NormalEquations& at = best.equations;
+    Matrix6d H = at.H;
+    H.diagonal().array() +=
+        lambda * at.H.diagonal().array() + lambda * kIsotropic * at.H.trace() / 6.0 + kNothing;
+    next = advance(best.state, Vector6d(-H.ldlt().solve(at.b)));
     last_width = width;
     width = std::max(params.width_end, params.width_decay * width);
   }

@@ -111,18 +111,22 @@ std::vector<SlidPose> Aligner::slidesOf(const PoseHypothesis& pose) const {
   return out;
 }
 
-/// Steps in the raw image, the kernel's width shrinking.
 template <std::size_t N>
-void Aligner::align(const std::vector<LocalPoint>& points, const SearchProfile& profile,
-                    const std::array<double, N>& tukey_px, PoseHypothesis* pose) const {
-  const PartModel& part = *outlineOf(*pose).part;
-  const Eigen::Isometry3d T_part_centre = centreOf(part, pose->face);
-  const Solid solid = solidOf(part, pose->face);
-  Eigen::Isometry3d T = pose->T_camera_part * T_part_centre;
-  for (std::size_t k = 0; k + 1 < N; ++k)
-    T = stepInImage(edges_, camera_, points, solid, T, profile, tukey_px[k]);
-  pose->image = alignInImage(edges_, camera_, points, solid, T, profile, tukey_px.back());
-  pose->T_camera_part = pose->image.T_camera_centre * T_part_centre.inverse();
+ImagePose Aligner::steps(const std::vector<LocalPoint>& points, const SearchProfile& profile,
+                         const std::array<double, N>& tukey_px, const Solid& solid,
+                         const Eigen::Isometry3d& T_camera_centre) const {
+  ImagePose out;
+  out.T_camera_centre = T_camera_centre;
+  for (const double tukey : tukey_px)
+    out = stepInImage(edges_, camera_, points, solid, out.T_camera_centre, profile, tukey);
+  return out;
+}
+
+void Aligner::set(const ImagePose& image, const std::vector<LocalPoint>& points,
+                  PoseHypothesis* pose) const {
+  pose->image = image;
+  pose->T_camera_part =
+      image.T_camera_centre * centreOf(*outlineOf(*pose).part, pose->face).inverse();
   pose->inlier_score = inlierScoreOf(*pose, points);
 }
 
@@ -134,13 +138,25 @@ int Aligner::wideReach(const PoseHypothesis& pose) const {
 }
 
 void Aligner::alignWide(PoseHypothesis* pose) const {
+  const PartModel& part = *outlineOf(*pose).part;
+  const auto& points = outlineOf(*pose).of(pose->face).wide;
   const int reach = wideReach(*pose);
-  align(outlineOf(*pose).of(pose->face).wide, {reach, false, kWideSigma},
-        std::array<double, 3>{1.0 * reach, kWideTukeyMiddle * reach, kWideTukeyLast}, pose);
+  set(steps(points, {reach, false, kWideSigma},
+            std::array<double, 3>{1.0 * reach, kWideTukeyMiddle * reach, kWideTukeyLast},
+            solidOf(part, pose->face), pose->T_camera_part * centreOf(part, pose->face)),
+      points, pose);
 }
 
 void Aligner::alignNarrow(PoseHypothesis* pose) const {
-  align(outlineOf(*pose).of(pose->face).fine, kNarrow, kNarrowTukey, pose);
+  const PartModel& part = *outlineOf(*pose).part;
+  const auto& points = outlineOf(*pose).of(pose->face).fine;
+  const Solid solid = solidOf(part, pose->face);
+  const ImagePose near =
+      stepInImage(edges_, camera_, points, solid, pose->T_camera_part * centreOf(part, pose->face),
+                  kNarrow, kNarrowTukey.front());
+  set(alignInImage(edges_, camera_, points, solid, near.T_camera_centre, kNarrow,
+                   kNarrowTukey.back()),
+      points, pose);
 }
 
 void Aligner::look(PoseHypothesis* pose) const {
@@ -179,15 +195,13 @@ void Aligner::searchAround(PoseHypothesis* pose) const {
   const Eigen::Isometry3d T_centre_part = centreOf(part, pose->face).inverse();
   PoseHypothesis best = *pose;
   best.inlier_score = inlierScoreOf(*pose, points);
-  for (Eigen::Isometry3d T : starts) {
+  for (const Eigen::Isometry3d& start : starts) {
     PoseHypothesis other = *pose;
-    other.T_camera_part = T * T_centre_part;
+    other.T_camera_part = start * T_centre_part;
     const int reach = wideReach(other);
-    const SearchProfile profile{reach, false, kWideSigma};
-    for (const double tukey : {1.0 * reach, kSearchTukeyLast * reach})
-      T = stepInImage(edges_, camera_, points, solid, T, profile, tukey);
-    other.T_camera_part = T * T_centre_part;
-    other.inlier_score = inlierScoreOf(other, points);
+    set(steps(points, {reach, false, kWideSigma},
+              std::array<double, 2>{1.0 * reach, kSearchTukeyLast * reach}, solid, start),
+        points, &other);
     if (other.inlier_score > best.inlier_score) best = other;
   }
   alignWide(&best);

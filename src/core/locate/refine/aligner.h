@@ -19,7 +19,7 @@ class Aligner {
   /// Coarse refinement in the distance field.
   PoseHypothesis alignToField(const Candidate& candidate) const;
   /// In the image, from what the field leaves (a small share of the part's size) to within the
-  /// narrow reach.
+  /// narrow reach. No covariance: a narrow alignment follows.
   void alignWide(PoseHypothesis* pose) const;
   void alignNarrow(PoseHypothesis* pose) const;
   /// What the edges found by a narrow alignment say of the pose where it is.
@@ -53,9 +53,14 @@ class Aligner {
   std::vector<Eigen::Isometry3d> startsAround(const PoseHypothesis& pose) const;
   /// Starts along the slides of the outline and of its near-symmetries, the best first.
   std::vector<SlidPose> slidesOf(const PoseHypothesis& pose) const;
+  /// Steps in the raw image, one for each width of the kernel.
   template <std::size_t N>
-  void align(const std::vector<LocalPoint>& points, const SearchProfile& profile,
-             const std::array<double, N>& tukey_px, PoseHypothesis* pose) const;
+  ImagePose steps(const std::vector<LocalPoint>& points, const SearchProfile& profile,
+                  const std::array<double, N>& tukey_px, const Solid& solid,
+                  const Eigen::Isometry3d& T_camera_centre) const;
+  /// The pose as the image has it, with its inlier score.
+  void set(const ImagePose& image, const std::vector<LocalPoint>& points,
+           PoseHypothesis* pose) const;
 
   const EdgeMap& edges_;
   const Camera& camera_;

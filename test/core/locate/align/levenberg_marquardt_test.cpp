@@ -42,12 +42,13 @@ Problem problemWith(int outliers) {
 Vector6d solve(const Problem& p, const LevenbergMarquardtParams& params, int* evaluations) {
   *evaluations = 0;
   return minimise(
-      Vector6d(Vector6d::Zero()), params,
-      [&](const Vector6d& x, int k, double width) {
-        EXPECT_EQ(k, (*evaluations)++);
-        return p.at(x, width);
-      },
-      [](const Vector6d& x, const Vector6d& xi) -> Vector6d { return x + xi; });
+             Vector6d(Vector6d::Zero()), params,
+             [&](const Vector6d& x, int k, double width) {
+               EXPECT_EQ(k, (*evaluations)++);
+               return p.at(x, width);
+             },
+             [](const Vector6d& x, const Vector6d& xi) -> Vector6d { return x + xi; })
+      .state;
 }
 
 TEST(LevenbergMarquardt, FindsTheTruthDespiteOutliers) {
@@ -93,10 +94,11 @@ TEST(LevenbergMarquardt, NeverReturnsAWorseState) {
   for (const int evaluations : {1, 2, 4, 8, 16, 32, 64}) {
     LevenbergMarquardtParams params;
     params.evaluations = evaluations;
-    const Vector6d x =
+    const Minimum<Vector6d> x =
         minimise(start, params, evaluate,
                  [](const Vector6d& a, const Vector6d& xi) -> Vector6d { return a + xi; });
-    const double cost = evaluate(x, 0, 1.0).cost;
+    const double cost = evaluate(x.state, 0, 1.0).cost;
+    EXPECT_EQ(x.equations.cost, cost) << evaluations;
     EXPECT_LE(cost, last) << evaluations;
     last = cost;
   }
