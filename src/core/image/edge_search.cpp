@@ -65,7 +65,8 @@ EdgeSearch::Filters filtersOf(double sigma) {
 PBP_SIMD
 static void sample(const std::uint8_t* data, int pitch, const Lines& lines, int n, float* levels) {
   constexpr float kOne = 65536.0f;  // of 16 fractional bits
-  IntLanes x, y, dx, dy, at, top, bottom;
+  IntLanes x, y, dx, dy, at;
+  std::array<std::uint32_t, kLanes> near;  // a place and its three neighbours, a byte each
   for (int l = 0; l < kLanes; ++l) {
     x[l] = static_cast<int>(lines.x[l] * kOne);
     y[l] = static_cast<int>(lines.y[l] * kOne);
@@ -74,15 +75,16 @@ static void sample(const std::uint8_t* data, int pitch, const Lines& lines, int 
   }
   for (int k = 0; k < n; ++k, levels += kLanes) {
     for (int l = 0; l < kLanes; ++l) at[l] = (y[l] >> 16) * pitch + (x[l] >> 16);
-    for (int l = 0; l < kLanes; ++l) {  // pairs of neighbours, one load each
-      const std::uint8_t* const p = data + at[l];
-      top[l] = p[0] | p[1] << 8;
-      bottom[l] = p[pitch] | p[pitch + 1] << 8;
+    for (int l = 0; l < kLanes; ++l) {
+      const std::uint8_t *const p = data + at[l], *const q = p + pitch;
+      const std::uint32_t above = p[0] | p[1] << 8, below = q[0] | q[1] << 8;
+      near[l] = above | below << 16;
     }
     for (int l = 0; l < kLanes; ++l) {
       const int a = (x[l] >> 8) & 255, b = (y[l] >> 8) & 255;
-      const int above = ((top[l] & 255) << 8) + a * ((top[l] >> 8) - (top[l] & 255));
-      const int below = ((bottom[l] & 255) << 8) + a * ((bottom[l] >> 8) - (bottom[l] & 255));
+      const int p0 = near[l] & 255, p1 = near[l] >> 8 & 255;
+      const int q0 = near[l] >> 16 & 255, q1 = near[l] >> 24;
+      const int above = (p0 << 8) + a * (p1 - p0), below = (q0 << 8) + a * (q1 - q0);
       levels[l] = static_cast<float>((above << 8) + b * (below - above)) * (1.0f / kOne);
       x[l] += dx[l];
       y[l] += dy[l];
@@ -90,14 +92,16 @@ static void sample(const std::uint8_t* data, int pitch, const Lines& lines, int 
   }
 }
 
-/// The mean of two profiles to either side, and the slope from one to the other.
+/// The mean of two profiles to either side at all n places, and the slope from one to the other at
+/// those from `first` to `last`.
 PBP_SIMD
-static void joinPair(const Profiles& left, int n, Profiles* right_to_mean, float* slope) {
-  for (int i = 0; i < n * kLanes; ++i) {
-    const float a = left[i], b = (*right_to_mean)[i];
-    slope[i] = (a - b) * (1.0f / (2.0f * kAside));
-    (*right_to_mean)[i] = 0.5f * (a + b);
+static void joinPair(const Profiles& left, int n, int first, int last, int pitch,
+                     Profiles* right_to_mean, float* slope) {
+  for (int i = first; i <= last; ++i, slope += pitch) {
+    const float *const a = &left[i * kLanes], *const b = &(*right_to_mean)[i * kLanes];
+    for (int l = 0; l < kLanes; ++l) slope[l] = (a[l] - b[l]) * (1.0f / (2.0f * kAside));
   }
+  for (int i = 0; i < n * kLanes; ++i) (*right_to_mean)[i] = 0.5f * (left[i] + (*right_to_mean)[i]);
 }
 
 /// Answers at n places of p; reads kTaps places before and behind.
@@ -120,14 +124,6 @@ static void filter(const float* p, const EdgeSearch::Filters& f, int n, int pitc
   }
 }
 
-/// The mean of each place and its two neighbours; reads one place before and behind.
-PBP_SIMD
-static void smooth(const float* p, int n, int pitch, float* out) {
-  for (int i = 0; i < n; ++i, p += kLanes, out += pitch)
-    for (int l = 0; l < kLanes; ++l)
-      out[l] = (p[l - kLanes] + p[l] + p[l + kLanes]) * (1.0f / 3.0f);
-}
-
 PBP_SIMD
 static void magnitude(const float* a, const float* b, int n, int pitch, float* out) {
   for (int i = 0; i < n; ++i, a += pitch, b += pitch, out += kLanes)
@@ -138,20 +134,21 @@ namespace {
 
 /// The strongest peak of each lane; a merit of 0 where there is none.
 struct Peaks {
-  FloatLanes merit, at_px, height, across;
+  FloatLanes merit, at_px, height;
+  IntLanes place;  ///< of the responses
 };
 
 }  // namespace
 
 /// @param least, clear  the height from which on a peak counts, and beyond which it counts no more
 PBP_SIMD
-static void findPeaks(const float* energy, const float* across, int pitch, int reach,
-                      const FloatLanes& least, const FloatLanes& clear, Peaks* out) {
-  FloatLanes merit{}, at_px{}, height{}, slope{};
+static void findPeaks(const float* energy, int reach, const FloatLanes& least,
+                      const FloatLanes& clear, Peaks* out) {
+  FloatLanes merit{}, at_px{}, height{};
+  IntLanes place{};
   const float share = 1.0f / static_cast<float>(reach + 1);
   for (int i = 1; i < 2 * reach + 2; ++i) {
     const float* const a = energy + i * kLanes;
-    const float* const t = across + i * pitch;
     const auto middle = static_cast<float>(i - reach - 1);
     for (int l = 0; l < kLanes; ++l) {
       const float here = a[l], before = a[l - kLanes], after = a[l + kLanes];
@@ -164,17 +161,44 @@ static void findPeaks(const float* energy, const float* across, int pitch, int r
       merit[l] = is_better ? worth : merit[l];
       at_px[l] = is_better ? at : at_px[l];
       height[l] = is_better ? here : height[l];
-      slope[l] = is_better ? t[l] : slope[l];
+      place[l] = is_better ? i : place[l];
     }
   }
-  *out = {merit, at_px, height, slope};
+  *out = {merit, at_px, height, place};
+}
+
+/// Mean over each stretch at all n places.
+/// @param responses  of the first of the points; `pitch` to the next place
+PBP_SIMD
+static void average(const float* responses, int pitch, int n,
+                    const EdgeSearch::Stretches& stretches, int before, int behind, float* out) {
+  std::array<FloatLanes, 2 * kLanes + 1> shares;  // by neighbour: 1 where it is of the stretch
+  for (int d = -before; d <= behind; ++d)
+    for (int l = 0; l < kLanes; ++l)
+      shares[d + before][l] =
+          (-stretches.before[l] <= d) & (d <= stretches.behind[l]) ? 1.0f : 0.0f;
+  FloatLanes counts;
+  for (int l = 0; l < kLanes; ++l)
+    counts[l] = static_cast<float>(1 + stretches.before[l] + stretches.behind[l]);
+  for (int i = 0; i < n; ++i, responses += pitch, out += kLanes) {
+    FloatLanes sum{};
+    for (int d = -before; d <= behind; ++d)
+      for (int l = 0; l < kLanes; ++l) sum[l] += shares[d + before][l] * responses[l + d];
+    for (int l = 0; l < kLanes; ++l) out[l] = sum[l] / counts[l];
+  }
 }
 
 EdgeSearch::Responses::Responses(int places, int points)
     : places_(places),
       pitch_((points + kLanes - 1) / kLanes * kLanes + 2 * kLanes),
-      values_(static_cast<std::size_t>(3 * places * pitch_), 0.0f),
-      level_(static_cast<std::size_t>(pitch_), kNoLevel) {}
+      values_(new float[static_cast<std::size_t>(3 * places + 2) * pitch_]),
+      level_(static_cast<std::size_t>(pitch_), kNoLevel) {
+  for (int i = 0; i < 3 * places + 2; ++i) {
+    float* const row = values_.get() + i * pitch_;
+    std::fill_n(row, kLanes, 0.0f);
+    std::fill_n(row + pitch_ - kLanes, kLanes, 0.0f);
+  }
+}
 
 EdgeSearch::EdgeSearch(const EdgeMap& edges, const SearchProfile& profile)
     : edges_(edges), profile_(profile), filters_(filtersOf(profile.sigma_px)) {}
@@ -207,10 +231,10 @@ void EdgeSearch::respond(const PosedPoints& points, int first, Responses* out) c
   Profiles levels;
   sample(image.data, pitch, right, n, levels.data());
   if (profile_.paired) {
-    Profiles other, slope;
+    Profiles other;
     sample(image.data, pitch, left, n, other.data());
-    joinPair(other, n, &levels, slope.data());
-    smooth(slope.data() + kTaps * kLanes, m, out->pitch(), out->at(Responses::kAcross, 0, first));
+    joinPair(other, n, kTaps - 1, kTaps + m, out->pitch(), &levels,
+             out->at(Responses::kAcross, -1, first));
   }
   filter(levels.data() + kTaps * kLanes, filters_, m, out->pitch(),
          out->at(Responses::kStep, 0, first), out->at(Responses::kLine, 0, first));
@@ -218,27 +242,57 @@ void EdgeSearch::respond(const PosedPoints& points, int first, Responses* out) c
     out->level(first + l) = is_complete[l] ? static_cast<int>(levels[half * kLanes + l]) : kNoLevel;
 }
 
+namespace {
+
+/// Mean over the stretch of point `first` + l of the slope at a place and its two neighbours.
+float slopeAt(const EdgeSearch::Responses& responses, int place, int first, int l,
+              const EdgeSearch::Stretches& stretches) {
+  const auto slope = [&](int i) {
+    return responses.at(EdgeSearch::Responses::kAcross, i, first + l);
+  };
+  const float *const before = slope(place - 1), *const here = slope(place),
+                     *const after = slope(place + 1);
+  float sum = 0.0f;
+  for (int d = -stretches.before[l]; d <= stretches.behind[l]; ++d)
+    sum += (before[d] + here[d] + after[d]) * (1.0f / 3.0f);
+  return sum / static_cast<float>(1 + stretches.before[l] + stretches.behind[l]);
+}
+
+}  // namespace
+
 EdgeSearch::Hits EdgeSearch::strongest(const Responses& responses, int first,
-                                       const Shares& noise_share) const {
+                                       const Stretches& stretches) const {
   // Local energy: where plates of one kind lie on one another, their contour is a dark or bright
   // line as often as a step, and the steps on either side of it are no contour.
   Places energy;
+  const int before = *std::max_element(stretches.before.begin(), stretches.before.end());
+  const int behind = *std::max_element(stretches.behind.begin(), stretches.behind.end());
+  const float* const step = responses.at(Responses::kStep, 0, first);
+  const float* const line = responses.at(Responses::kLine, 0, first);
   const int pitch = responses.pitch();
-  magnitude(responses.at(Responses::kStep, 0, first), responses.at(Responses::kLine, 0, first),
-            places(), pitch, energy.data());
+  if (before + behind == 0) {
+    magnitude(step, line, places(), pitch, energy.data());
+  } else {
+    Places steps, lines;
+    average(step, pitch, places(), stretches, before, behind, steps.data());
+    average(line, pitch, places(), stretches, before, behind, lines.data());
+    magnitude(steps.data(), lines.data(), places(), kLanes, energy.data());
+  }
   FloatLanes least, clear;
   for (int l = 0; l < kLanes; ++l) {
-    const float noise = noise_share[l] * edges_.noise[std::max(0, responses.level(first + l))];
+    const float noise =
+        stretches.noise_share[l] * edges_.noise[std::max(0, responses.level(first + l))];
     least[l] = kNoiseFactor * noise;
     clear[l] = kClear * noise;
   }
   Peaks peaks;
-  findPeaks(energy.data(), responses.at(Responses::kAcross, 0, first), pitch, profile_.reach_px,
-            least, clear, &peaks);
+  findPeaks(energy.data(), profile_.reach_px, least, clear, &peaks);
   Hits hits;
   for (int l = 0; l < kLanes; ++l) {
     if (responses.level(first + l) == kNoLevel || peaks.merit[l] <= 0.0f) continue;
-    const float t = peaks.across[l], g = kSlopeOfStep * peaks.height[l];
+    const float t =
+        profile_.paired ? slopeAt(responses, peaks.place[l], first, l, stretches) : 0.0f;
+    const float g = kSlopeOfStep * peaks.height[l];
     hits[l] = {true, peaks.at_px[l], 0.0f, g / std::sqrt(g * g + t * t), peaks.height[l]};
   }
   return hits;
@@ -248,12 +302,11 @@ void findEach(const EdgeMap& edges, const SearchProfile& profile,
               const std::vector<PosedPoints>& points, std::vector<EdgeHit>* hits) {
   const EdgeSearch search(edges, profile);
   EdgeSearch::Responses responses = search.responsesOf(kLanes);
-  EdgeSearch::Shares all;
-  all.fill(1.0f);
+  const EdgeSearch::Stretches alone;
   hits->clear();
   for (const PosedPoints& block : points) {
     search.respond(block, 0, &responses);
-    const auto found = search.strongest(responses, 0, all);
+    const auto found = search.strongest(responses, 0, alone);
     hits->insert(hits->end(), found.begin(), found.end());
   }
 }
@@ -285,71 +338,44 @@ class OnContour {
   int n_;
 };
 
-/// The stretches of neighbours about kLanes points: how many there are before and behind.
-struct Stretches {
-  IntLanes before{}, behind{};
-  EdgeSearch::Shares noise_share;
-
-  Stretches(const OnContour& contour, const EdgeSearch::Responses& responses, int first, int n) {
-    noise_share.fill(1.0f);
-    for (int l = 0; l < kLanes && first + l < n; ++l) {
-      const int i = first + l;
-      if (responses.level(i) == kNoLevel) continue;
-      int from = i, to = i;
-      while (i - from < kLanes && contour.goesOn(i, from, from - 1)) --from;
-      while (to - i < kLanes && contour.goesOn(i, to, to + 1)) ++to;
-      before[l] = i - from;
-      behind[l] = to - i;
-      if (from == to) continue;
-      const double pairs =
-          std::min(1.0 + contour.apart(from, to) / kPairPx, static_cast<double>(to - from + 1));
-      noise_share[l] = static_cast<float>(1.0 / std::sqrt(pairs));
-    }
+/// The stretches about the points from `first` on, of n.
+EdgeSearch::Stretches stretchesOf(const OnContour& contour, const EdgeSearch::Responses& responses,
+                                  int first, int n) {
+  EdgeSearch::Stretches out;
+  for (int l = 0; l < kLanes && first + l < n; ++l) {
+    const int i = first + l;
+    if (responses.level(i) == kNoLevel) continue;
+    int from = i, to = i;
+    while (i - from < kLanes && contour.goesOn(i, from, from - 1)) --from;
+    while (to - i < kLanes && contour.goesOn(i, to, to + 1)) ++to;
+    out.before[l] = i - from;
+    out.behind[l] = to - i;
+    if (from == to) continue;
+    const double pairs =
+        std::min(1.0 + contour.apart(from, to) / kPairPx, static_cast<double>(to - from + 1));
+    out.noise_share[l] = static_cast<float>(1.0 / std::sqrt(pairs));
   }
-};
+  return out;
+}
 
 }  // namespace
-
-/// One row of responses, each with those of its stretch.
-PBP_SIMD
-static void average(const float* row, const Stretches& stretches, int before, int behind,
-                    float* out) {
-  FloatLanes sum{};
-  for (int d = -before; d <= behind; ++d) {
-    for (int l = 0; l < kLanes; ++l) {
-      const int first = -stretches.before[l], last = stretches.behind[l];
-      const bool is_of_it = (first <= d) & (d <= last);
-      sum[l] += is_of_it ? row[l + d] : 0.0f;
-    }
-  }
-  for (int l = 0; l < kLanes; ++l)
-    out[l] = sum[l] / static_cast<float>(1 + stretches.before[l] + stretches.behind[l]);
-}
 
 void findHits(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
               const Solid& solid, const Eigen::Isometry3d& T_camera_centre,
               const SearchProfile& profile, std::vector<EdgeHit>* hits) {
-  using Responses = EdgeSearch::Responses;
   const EdgeSearch search(edges, profile);
   const int n = static_cast<int>(points.size());
   const std::vector<PosedPoints> at = posePoints(camera, points, solid.radius, T_camera_centre);
-  Responses responses = search.responsesOf(n), means = search.responsesOf(kLanes);
+  EdgeSearch::Responses responses = search.responsesOf(n);
   for (int i = 0; i < n; i += kLanes) search.respond(at[i / kLanes], i, &responses);
   const OnContour contour(at, responses, n);
   hits->assign(points.size(), {});
   for (int i = 0; i < n; i += kLanes) {
-    const Stretches stretches(contour, responses, i, n);
-    const int before = *std::max_element(stretches.before.begin(), stretches.before.end());
-    const int behind = *std::max_element(stretches.behind.begin(), stretches.behind.end());
-    for (const auto kind : {Responses::kStep, Responses::kLine, Responses::kAcross})
-      for (int k = 0; k < search.places(); ++k)
-        average(responses.at(kind, k, i), stretches, before, behind, means.at(kind, k, 0));
-    for (int l = 0; l < kLanes; ++l) means.level(l) = responses.level(i + l);
-    const auto found = search.strongest(means, 0, stretches.noise_share);
+    const auto found = search.strongest(responses, i, stretchesOf(contour, responses, i, n));
     for (int l = 0; l < kLanes && i + l < n; ++l) {
       EdgeHit& hit = (*hits)[i + l];
       hit = found[l];
-      if (means.level(l) != kNoLevel)
+      if (responses.level(i + l) != kNoLevel)
         hit.wall_px = static_cast<float>(wallWidth(solid, at[i / kLanes].gz[l]));
     }
   }

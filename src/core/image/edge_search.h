@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace planar_bin_picking {
@@ -61,19 +62,20 @@ class EdgeSearch {
   static constexpr int kLanes = PosedPoints::kLanes;
   static constexpr int kNoLevel = -1;
   using Hits = std::array<EdgeHit, kLanes>;
-  using Shares = std::array<float, kLanes>;
 
   /// What the filters answer at the places of many points' profiles, the first place reach_px + 1
   /// inside. By kind and place, point after point; about these lie zeros for kLanes points.
   class Responses {
    public:
-    enum Kind { kStep, kLine, kAcross };  ///< heights; slope along the contour, 0 without a pair
+    /// Heights; slope along the contour, of which there is one place more at either end. Nothing is
+    /// set of that without a pair.
+    enum Kind { kStep, kLine, kAcross };
     Responses(int places, int points);
     float* at(Kind kind, int place, int point) {
-      return values_.data() + (kind * places_ + place) * pitch_ + kLanes + point;
+      return values_.get() + (kind * places_ + kind / kAcross + place) * pitch_ + kLanes + point;
     }
     const float* at(Kind kind, int place, int point) const {
-      return values_.data() + (kind * places_ + place) * pitch_ + kLanes + point;
+      return const_cast<Responses*>(this)->at(kind, place, point);
     }
     int& level(int point) { return level_[point]; }
     int level(int point) const { return level_[point]; }
@@ -81,8 +83,16 @@ class EdgeSearch {
 
    private:
     int places_, pitch_;
-    std::vector<float> values_;
+    std::unique_ptr<float[]> values_;
     std::vector<int> level_;  // grey level at the point; kNoLevel: the profile leaves the image
+  };
+
+  /// The stretches of neighbours about kLanes points: how many there are before and behind, and
+  /// how much of the image's noise is left in their mean.
+  struct Stretches {
+    std::array<int, kLanes> before{}, behind{};
+    std::array<float, kLanes> noise_share;
+    Stretches() { noise_share.fill(1.0f); }
   };
 
   EdgeSearch(const EdgeMap& edges, const SearchProfile& profile);
@@ -91,10 +101,9 @@ class EdgeSearch {
   Responses responsesOf(int points) const { return {places(), points}; }
   /// Sets the responses of kLanes points from `first` on.
   void respond(const PosedPoints& points, int first, Responses* out) const;
-  /// The strongest edge on each of the profiles from `first` on, nearer ones preferred; its wall_px
-  /// is not set.
-  /// @param noise_share  of the image's noise that is left in the response
-  Hits strongest(const Responses& responses, int first, const Shares& noise_share) const;
+  /// The strongest edge on each of the profiles from `first` on, nearer ones preferred, by the mean
+  /// of each stretch; its wall_px is not set.
+  Hits strongest(const Responses& responses, int first, const Stretches& stretches) const;
 
  private:
   const EdgeMap& edges_;
