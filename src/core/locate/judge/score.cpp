@@ -217,6 +217,23 @@ ScoredPose scorePose(const EdgeMap& edges, const Camera& camera, const PartModel
   const PosedPart posed{solidOf(part, pose.face), T, pose.edge_offset / part.radius(),
                         px_per_radius};
   ContourEvidence contour = contourEvidence(edges, camera, part, group, posed, params);
+  out.outline = std::move(contour.outline);
+  PoseEvidence& evidence = out.evidence;
+  const bool may_show_print =
+      pose.face == Face::kFront && !group.points[static_cast<int>(LoopKind::kPrint)].empty();
+  if (contour.hole_weights > kResolved) evidence.holes = contour.hole_sum / contour.hole_weights;
+  evidence.slide_radii = sigmaInPlane(pose) / part.radius();
+  evidence.slide_px = px_per_radius * evidence.slide_radii;
+  out.covariance += pose.other_tilt * pose.other_tilt.transpose();
+  // Time: the cheapest first, and below the threshold a pose is not returned anyway. What follows
+  // only lowers its probability; until the print is looked at, all of it may be seen.
+  evidence.edges = may_show_print ? (contour.sum + 1.0) / (contour.weights + 1.0)
+                                  : contour.sum / contour.weights;
+  out.score = probabilityRight(evidence);
+  if (out.score < params.threshold) return out;
+  evidence.beyond_corners = edgesBeyondCorners(edges, camera, group.ends, posed, params.reach_px);
+  out.score = probabilityRight(evidence);
+  if (out.score < params.threshold) return out;
   const FaceGrid& grid = part.faceGrid();
   out.covered =
       findOcclusion(grid, edges, camera, pose.T_camera_part, part.faceZ(pose.face), contour.pieces);
@@ -228,18 +245,7 @@ ScoredPose scorePose(const EdgeMap& edges, const Camera& camera, const PartModel
     contour.sum += out.print;
     contour.weights += 1.0;
   }
-  out.outline = std::move(contour.outline);
-  PoseEvidence& evidence = out.evidence;
   evidence.edges = contour.sum / contour.weights;
-  if (contour.hole_weights > kResolved) evidence.holes = contour.hole_sum / contour.hole_weights;
-  evidence.slide_radii = sigmaInPlane(pose) / part.radius();
-  evidence.slide_px = px_per_radius * evidence.slide_radii;
-  out.covariance += pose.other_tilt * pose.other_tilt.transpose();
-  out.score = probabilityRight(evidence);
-  // Time: what follows only lowers it, the cheapest first, and below the threshold a pose is not
-  // returned anyway.
-  if (out.score < params.threshold) return out;
-  evidence.beyond_corners = edgesBeyondCorners(edges, camera, group.ends, posed, params.reach_px);
   out.score = probabilityRight(evidence);
   if (out.score < params.threshold) return out;
   evidence.edges *= 1.0 - provenWrong(part, group.holes, edges, camera, pose, contour.pieces);

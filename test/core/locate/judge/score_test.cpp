@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/judge/score.h"
 
+#include "locate/judge/probability.h"
 #include "support/stages.h"
 
 #include <gtest/gtest.h>
@@ -257,6 +258,49 @@ TEST(Score, WhatMayLieTheOtherWayComesLater) {
   EXPECT_NEAR(scored[1].evidence.edges, 0.6827 * scored[0].evidence.edges, 0.01);
   const Matrix6d more = open.other_tilt * open.other_tilt.transpose();
   EXPECT_TRUE((scored[1].covariance - scored[0].covariance).isApprox(more, 1e-9));
+}
+
+/// A printed plate of which one end is covered: its print is better confirmed than its contour.
+TEST(Score, WhatAPrintMayAddIsLookedAtBeforeAPoseIsGivenUp) {
+  const auto part = makePart("printed", printedPlate());
+  sim::Scene scene = sceneOf(printedPlate(), kLie);
+  sim::Lie over = kLie;
+  over.x_mm -= 40;
+  scene.plates.push_back({{rectangle(-25, -80, 25, 80), {}, {}, 0.0}, sim::poseOf(over), 100.0});
+  const Shot shot = shoot(scene);
+  const auto scoredFrom = [&](double threshold) {
+    ScoreParams params;
+    params.threshold = threshold;
+    const std::vector<RefinedPose> poses{refinedAt(sim::poseOf(kLie))};
+    return scorePoses(shot.edges, shot.camera, {part}, poses, params, 1).at(0);
+  };
+  const ScoredPose whole = scoredFrom(0.0);
+  PoseEvidence contour = whole.evidence;
+  double sum = 0.0, weights = 0.0;
+  for (const OutlineEvidence& point : whole.outline) {
+    sum += point.weight * point.inlier;
+    weights += point.weight;
+  }
+  contour.edges = sum / weights;
+  ASSERT_LT(probabilityRight(contour), whole.score - 0.01);
+  const ScoredPose same = scoredFrom(whole.score - 0.001);
+  EXPECT_EQ(same.score, whole.score);
+  EXPECT_EQ(same.print, whole.print);
+  EXPECT_EQ(same.covered, whole.covered);
+}
+
+/// ... and what cannot reach the threshold is not looked at any further.
+TEST(Score, WhatLiesOverAHopelessPoseIsNotAsked) {
+  const auto part = makePart("bracket", bracketPlate());
+  const Shot shot = shoot(sceneOf(bracketPlate(), kLie));
+  const auto visibleFrom = [&](double threshold) {
+    ScoreParams params;
+    params.threshold = threshold;
+    const std::vector<RefinedPose> poses{refinedAt(sim::poseOf(kLie))};
+    return scorePoses(shot.edges, shot.camera, {part}, poses, params, 1).at(0).visible_fraction;
+  };
+  EXPECT_GT(visibleFrom(0.9), 0.97);
+  EXPECT_EQ(visibleFrom(1.0), 0.0);
 }
 
 }  // namespace
