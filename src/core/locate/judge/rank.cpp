@@ -27,6 +27,7 @@ constexpr double kOwnScore = 0.3;
 struct Mask {
   Eigen::AlignedBox2d box;
   std::vector<Eigen::Vector2d> outer;
+  std::vector<Eigen::Vector2d> within;  // points of a grid
 };
 
 Mask maskOf(const PartModel& part, const ScoredPose& pose) {
@@ -40,23 +41,23 @@ Mask maskOf(const PartModel& part, const ScoredPose& pose) {
     mask.outer.push_back(q.hnormalized());
     mask.box.extend(mask.outer.back());
   }
-  return mask;
-}
-
-/// Share of a's area that b covers too, on a grid.
-double overlap(const Mask& a, const Mask& b) {
-  if (!a.box.intersects(b.box)) return 0.0;
-  int all = 0, both = 0;
   for (int j = 0; j < kGrid; ++j) {
     for (int i = 0; i < kGrid; ++i) {
       const Eigen::Vector2d p =
-          a.box.min() + a.box.sizes().cwiseProduct(Eigen::Vector2d(i + 0.5, j + 0.5) / kGrid);
-      if (!contains(a.outer, p)) continue;
-      ++all;
-      both += contains(b.outer, p);
+          mask.box.min() + mask.box.sizes().cwiseProduct(Eigen::Vector2d(i + 0.5, j + 0.5) / kGrid);
+      if (contains(mask.outer, p)) mask.within.push_back(p);
     }
   }
-  return static_cast<double>(both) / std::max(1, all);
+  return mask;
+}
+
+/// Share of a's area that b covers too.
+double overlap(const Mask& a, const Mask& b) {
+  if (!a.box.intersects(b.box)) return 0.0;
+  const auto both = std::count_if(a.within.begin(), a.within.end(), [&](const Eigen::Vector2d& p) {
+    return b.box.contains(p) && contains(b.outer, p);
+  });
+  return static_cast<double>(both) / std::max(1.0, static_cast<double>(a.within.size()));
 }
 
 /// Where a print is seen, a pose without one is wrong: the back of a part, another part without a
