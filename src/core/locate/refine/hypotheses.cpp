@@ -152,10 +152,12 @@ std::vector<Rival> rivalsOf(const Aligner& aligner, const PoseHypothesis& pose) 
 void compareNearSymmetries(const Aligner& aligner, ChosenPose* chosen) {
   const PoseHypothesis pose = chosen->pose;
   const PartModel& part = *aligner.outlineOf(pose).part;
+  const auto rivals = rivalsOf(aligner, pose);
+  if (rivals.empty()) return;
   const double print = printOdds(aligner, pose);
   PoseHypothesis best = pose;
   Rival chosen_rival{0.0, nullptr};
-  for (const auto& [gain, other] : rivalsOf(aligner, pose)) {
+  for (const auto& [gain, other] : rivals) {
     PoseHypothesis rival = moved(pose, *other);
     aligner.alignNarrow(&rival);
     const double share = 0.5 *
