@@ -4,6 +4,7 @@
 
 #include "base/polygon.h"
 #include "locate/judge/explained.h"
+#include "locate/judge/probability.h"
 
 #include <algorithm>
 #include <utility>
@@ -60,6 +61,18 @@ double overlap(const Mask& a, const Mask& b) {
   return static_cast<double>(both) / std::max(1.0, static_cast<double>(a.within.size()));
 }
 
+/// Best first. What lies free is picked first: a covered part may score high on what is left of it.
+/// The score, a probability, is near 1 for most of them: the better confirmed ones first.
+template <class Poses, class Get>
+void sortByMerit(Poses* poses, const Get& get) {
+  const auto merit = [&](const auto& pose) {
+    const ScoredPose& s = get(pose);
+    return s.evidence.edges * s.visible_fraction * s.visible_fraction;
+  };
+  std::stable_sort(poses->begin(), poses->end(),
+                   [&](const auto& a, const auto& b) { return merit(a) > merit(b); });
+}
+
 /// Where a print is seen, a pose without one is wrong: the back of a part, another part without a
 /// print.
 std::vector<const ScoredPose*> withoutUnprinted(
@@ -93,13 +106,7 @@ std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
     if (s.score >= score_min) order.push_back(&s);
   }
   order = withoutUnprinted(order, parts, params.overlap_max);
-  // What lies free is picked first: a covered part may score high on what is left of it.
-  // The score, a probability, is near 1 for most of them: the better confirmed ones first.
-  const auto merit = [](const ScoredPose* s) {
-    return s->evidence.edges * s->visible_fraction * s->visible_fraction;
-  };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](const ScoredPose* a, const ScoredPose* b) { return merit(a) > merit(b); });
+  sortByMerit(&order, [](const ScoredPose* s) -> const ScoredPose& { return *s; });
   std::vector<Detection> out;
   std::vector<Mask> masks;
   ExplainedEdges explained(order);
@@ -114,9 +121,12 @@ std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
     Detection d;
     static_cast<ScoredPose&>(d) = *s;
     d.part_name = parts[s->part]->name();
+    d.evidence.edges *= probabilityOfTilt(d);
     out.push_back(d);
     masks.push_back(mask);
   }
+  // Only now: it may be a wrong one of two at one place that seems sure.
+  sortByMerit(&out, [](const Detection& d) -> const ScoredPose& { return d; });
   return out;
 }
 

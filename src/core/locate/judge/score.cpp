@@ -251,7 +251,6 @@ ScoredPose scorePose(const EdgeMap& edges, const Camera& camera, const PartModel
   evidence.edges *= 1.0 - provenWrong(part, group.holes, edges, camera, pose, contour.pieces);
   evidence.edges *= extraHoleFactor(part, group, edges, camera, pose, out.covered);
   out.score = probabilityRight(evidence);
-  evidence.edges *= probabilityOfTilt(out);  // the surer of two comes first
   return out;
 }
 

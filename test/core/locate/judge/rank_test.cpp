@@ -64,6 +64,28 @@ TEST(Rank, TheBetterConfirmedFirst) {
   EXPECT_EQ(out[0].score, 0.97);
 }
 
+/// Even odds of two tilts, 8.5 degrees apart: one standard deviation is 6.
+TEST(Rank, TheSurerTiltFirst) {
+  ScoredPose open = scoredAt(-200, 0.97), sure = scoredAt(200, 0.96);
+  open.evidence.edges = 0.95, sure.evidence.edges = 0.85;
+  open.covariance(3, 3) = std::pow(6.0 * M_PI / 180.0, 2);
+  const auto out = rankPoses({open, sure}, kParts, 0.5, {});
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(out[0].score, 0.96);
+  EXPECT_EQ(out[0].evidence.edges, 0.85);
+  EXPECT_NEAR(out[1].evidence.edges, 0.6827 * 0.95, 1e-4);
+}
+
+/// At one place the better confirmed one: the other may be wrong of its tilt and sure.
+TEST(Rank, ASureTiltTakesNoPlace) {
+  ScoredPose open = scoredAt(0, 0.97), sure = scoredAt(2, 0.96);
+  open.evidence.edges = 0.95, sure.evidence.edges = 0.85;
+  open.covariance(3, 3) = std::pow(6.0 * M_PI / 180.0, 2);
+  const auto out = rankPoses({open, sure}, kParts, 0.5, {});
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(out[0].score, 0.97);
+}
+
 TEST(Rank, APrintThatIsSeenIsEvidenceAgainstWhatHasNone) {
   sim::Plate plain = printedPlate();
   plain.prints.clear();
