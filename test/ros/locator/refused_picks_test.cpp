@@ -48,14 +48,21 @@ TEST(RefusedPicks, TellsWhyItRefuses) {
   PickParams params;
   params.tool_radius = 0.015;
   PickKeeper keeper(params);
-  // Its pick pose is 5 mm from the wall.
-  Sent sent = offer(&keeper, answerWith({lying(0.045, 0)}, 1.0), binUpTo(0.1));
+  Answer answer = answerWith({lying(0.045, 0)}, 1.0);
+  planar_bin_picking::PartFile file = answer.parts[0]->file();
+  file.pick_poses.resize(1);  // that in the middle, 5 mm from the wall
+  answer.parts = {std::make_shared<const PartModel>(file)};
+  Sent sent = offer(&keeper, answer, binUpTo(0.1));
   EXPECT_TRUE(sent.offered.parts.empty());
   ASSERT_EQ(sent.offered.refused.size(), 1u);
   EXPECT_EQ(sent.offered.refused[0].reason, RefusedPart::WALL);
   EXPECT_EQ(sent.offered.refused[0].located.part, "hinge");
   EXPECT_NE(sent.offered.hint.find("wall"), std::string::npos);
-  sent = offer(&keeper, answerWith({lying(0.0, 0)}, 1.0), binUpTo(0.1));
+  // The left one is farther inside.
+  sent = offer(&keeper, answerWith({lying(0.045, 0)}, 2.0), binUpTo(0.1));
+  ASSERT_EQ(sent.offered.parts.size(), 1u);
+  EXPECT_EQ(sent.offered.parts[0].picks.at(0).name.substr(0, 4), "left");
+  sent = offer(&keeper, answerWith({lying(0.0, 0)}, 3.0), binUpTo(0.1));
   EXPECT_TRUE(sent.offered.refused.empty());
 }
 
