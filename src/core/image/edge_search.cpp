@@ -174,9 +174,11 @@ static void average(const float* responses, int pitch, int n,
                     const EdgeSearch::Stretches& stretches, int before, int behind, float* out) {
   std::array<FloatLanes, 2 * kLanes + 1> shares;  // by neighbour: 1 where it is of the stretch
   for (int d = -before; d <= behind; ++d)
-    for (int l = 0; l < kLanes; ++l)
-      shares[d + before][l] =
-          (-stretches.before[l] <= d) & (d <= stretches.behind[l]) ? 1.0f : 0.0f;
+    for (int l = 0; l < kLanes; ++l) {
+      const int from = -stretches.before[l], to = stretches.behind[l];
+      const bool is_of_it = (from <= d) & (d <= to);
+      shares[d + before][l] = is_of_it ? 1.0f : 0.0f;
+    }
   FloatLanes counts;
   for (int l = 0; l < kLanes; ++l)
     counts[l] = static_cast<float>(1 + stretches.before[l] + stretches.behind[l]);
