@@ -92,7 +92,7 @@ struct OutlineEvidence {
 /// What speaks for and against a pose.
 struct PoseEvidence {
   /// 0..1: mean inlier score of outer contour, holes and print, less what contradicts the pose
-  /// and less where its tilt is open (locate/judge/score.h).
+  /// (locate/judge/score.h); of an answer also less where its tilt is open (locate/judge/rank.h).
   double edges = 0.0;
   std::optional<double> holes;           ///< 0..1: of those that the picture resolves
   std::optional<double> beyond_corners;  ///< 0..1: how far edges go on beyond the part's corners

@@ -6,6 +6,7 @@
 #include "base/yaml_text.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
 #include <limits>
 #include <locale>
@@ -150,8 +151,13 @@ RequestFile readRequestFile(const std::string& path) {
         Plane{triple(root["plane_normal"], path, "plane_normal"),
               valueAs<double>(root["plane_distance"], path, "plane_distance", "metres")};
   }
-  if (root["floor_normal"])
-    file.request.floor_normal = triple(root["floor_normal"], path, "floor_normal");
+  if (root["floor_normal"]) {
+    const Eigen::Vector3d normal = triple(root["floor_normal"], path, "floor_normal");
+    constexpr double kOff = 1e-6;
+    if (!(std::abs(normal.norm() - 1.0) <= kOff))
+      throwBadValue(path, "floor_normal", root["floor_normal"], "a direction of length 1");
+    file.request.floor_normal = normal;
+  }
   return file;
 }
 

@@ -95,6 +95,13 @@ DistanceRange distanceRange(const CellParams& cell, const Eigen::Isometry3d& T_c
   return range;
 }
 
+Eigen::Vector3d floorNormal(const CellParams& cell, const Eigen::Isometry3d& T_camera_bin) {
+  const Eigen::Vector3d middle =
+      0.5 * (Eigen::Vector3d(cell.bin_min.data()) + Eigen::Vector3d(cell.bin_max.data()));
+  const Eigen::Vector3d up = T_camera_bin.linear().col(2);
+  return up.dot(T_camera_bin * middle) < 0.0 ? up : Eigen::Vector3d(-up);
+}
+
 planar_bin_picking::FloorCover lookIntoBin(const CellParams& cell,
                                            const Eigen::Isometry3d& T_camera_bin,
                                            const Answer& answer) {

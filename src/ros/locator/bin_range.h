@@ -37,6 +37,9 @@ struct DistanceRange {
 ///         farther or over a larger ratio of distances than parts can be looked for in
 DistanceRange distanceRange(const CellParams& cell, const Eigen::Isometry3d& T_camera_bin);
 
+/// @return  of the bin's floor, camera frame, toward the camera whichever way the frame's z points
+Eigen::Vector3d floorNormal(const CellParams& cell, const Eigen::Isometry3d& T_camera_bin);
+
 /// How much of the bin's floor is covered in the picture of an answer, by whatever it is.
 /// @param answer  with all that was found in it
 planar_bin_picking::FloorCover lookIntoBin(const CellParams& cell,

@@ -69,7 +69,7 @@ LocateRequest CellFrames::request(const CellParams& cell, const Standing& standi
   LocateRequest request;
   if (standing.T_camera_bin) {
     range = distanceRange(cell, *standing.T_camera_bin);
-    request.floor_normal = standing.T_camera_bin->linear().col(2);
+    request.floor_normal = floorNormal(cell, *standing.T_camera_bin);
   }
   request.distance_min = range.min;
   request.distance_max = range.max;

@@ -332,6 +332,27 @@ TEST(Locator, PartsTellOneAnotherHowTheyLie) {
   EXPECT_LT(among, 0.6 * alone);
 }
 
+/// Far away and tilted either way; without the floor the answer says that it may be the other.
+TEST(Locator, ABinsFloorTellsATiltThatThePictureLeavesOpen) {
+  const auto tilted = [](double deg) { return sim::poseOf({0, 0, 1500, 40, deg, 70}); };
+  const Parts parts = {makePart("bracket", bracketPlate())};
+  LocateRequest request = requestFor(parts);
+  request.distance_min = 1.4, request.distance_max = 1.6;
+  const cv::Mat image = sim::takeImage(kPinhole, {{{bracketPlate(), tilted(6.0)}}});
+  const auto locate = [&](std::optional<double> floor_deg) {
+    if (floor_deg) request.floor_normal = tilted(*floor_deg).linear().col(2);
+    return Locator().locate(image, makeCamera(kPinhole), request).detections.at(0);
+  };
+  const auto lies = [&](const Detection& d, double deg) {
+    return d.T_camera_part.linear().col(2).dot(tilted(deg).linear().col(2)) > 0.99;
+  };
+  const Detection alone = locate({}), flat = locate(6.0), other = locate(-6.0);
+  EXPECT_TRUE(lies(flat, 6.0) && !lies(flat, -6.0));
+  EXPECT_TRUE(lies(other, -6.0) && !lies(other, 6.0));
+  for (const Detection& d : {flat, other})
+    EXPECT_GT(alone.covariance.trace(), 4.0 * d.covariance.trace());
+}
+
 /// The scene anew: the ends of the distances, the place by half a cell of the vote, a turn of a
 /// degree, noise of up to two per cent of the grey levels. No draw may differ; LOCATOR_DRAWS sets
 /// how many are made.

@@ -109,6 +109,13 @@ TEST(Snapshot, RefusesWhatIsNotOne) {
                "version: x\nparts: []\nface: any\nmax_parts: 0\ndistance_min: 1.0\n"
                "distance_max: 2.0\nwindow: [0, 0, 2147483647, 1]\n");
   EXPECT_TRUE(refuses([&] { readSnapshot(path); }, {"window"}));
+  for (const char* normal : {"[0, 0, 0]", "[0, 0, .nan]", "[0, -1]", "[0, 0, -2]", "up"}) {
+    folder.write("one/request.yaml",
+                 "version: x\nparts: []\nface: any\nmax_parts: 0\ndistance_min: 1.0\n"
+                 "distance_max: 2.0\nfloor_normal: " +
+                     std::string(normal) + "\n");
+    EXPECT_TRUE(refuses([&] { readSnapshot(path); }, {"floor_normal"})) << normal;
+  }
 }
 
 TEST(SnapshotRing, KeepsTheLatestAndWhatIsNotItsOwn) {

@@ -36,6 +36,15 @@ TEST(BinRange, ObliqueReachesFurther) {
   EXPECT_NEAR(range.max, 1.0 * std::cos(tilt) + 0.1 * std::sin(tilt), 1e-12);
 }
 
+TEST(BinRange, TheFloorFacesTheCameraWhicheverWayZPoints) {
+  const Eigen::Isometry3d T_camera_bin = lookingDown(1.0, 0.3);
+  const Eigen::Vector3d up = floorNormal(cell(), T_camera_bin);
+  EXPECT_TRUE(up.isApprox(T_camera_bin.linear().col(2)));
+  EXPECT_LT(up.z(), -0.9);
+  const Eigen::Isometry3d turned = T_camera_bin * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
+  EXPECT_TRUE(floorNormal(cell(), turned).isApprox(up));
+}
+
 TEST(BinRange, RefusesBinBehindCamera) {
   EXPECT_TRUE(planar_bin_picking::refuses([] { distanceRange(cell(), lookingDown(0.1, 0.0)); },
                                           {"behind", "bin_frame"}));

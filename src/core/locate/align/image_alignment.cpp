@@ -333,8 +333,8 @@ ImagePose stepInImage(const EdgeMap& edges, const Camera& camera,
   return steppedPose(end.state, end.equations.used, T_camera_centre, solid.radius);
 }
 
-/// What one view tells of the pose: the covariance with the shift by the light, and with what the
-/// outline's points that are not found say of the others.
+/// To the covariance, what is so of one view alone: the shift by the light, and what the outline's
+/// points that are not found say of the others.
 /// @param points  of the outline, found or not
 static void addOfOneView(const std::vector<Row>& rows, std::size_t points, ImagePose* pose) {
   if (pose->status != AlignmentStatus::kAligned) return;

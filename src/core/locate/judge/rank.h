@@ -13,6 +13,9 @@
 
 namespace planar_bin_picking {
 
+/// In each place the best confirmed one, by PoseEvidence::edges times the square of the visible
+/// fraction. These are ordered by the same, where edges count times the probability of the tilt
+/// (probability.h): the other one of two tilts that a picture leaves open may be the right one.
 /// @param score_min  poses below are left out
 std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
                                  const std::vector<std::shared_ptr<const PartModel>>& parts,

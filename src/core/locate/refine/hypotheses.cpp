@@ -274,8 +274,8 @@ void decideTilts(const Aligner& aligner, const std::optional<Eigen::Vector3d>& f
   }
   for (std::size_t i = 0; i < poses->size(); ++i) {
     ChosenPose& chosen = (*poses)[i];
-    chosen.odds = std::abs(odds[i]);
-    if (!chosen.other_tilt || !(odds[i] < 0.0)) continue;  // what is no number decides nothing
+    chosen.odds = std::isnan(odds[i]) ? 0.0 : std::abs(odds[i]);  // no number decides nothing
+    if (!chosen.other_tilt || !(odds[i] < 0.0)) continue;
     std::swap(chosen.pose, *chosen.other_tilt);
     aligner.alignNarrow(&chosen.pose);
   }

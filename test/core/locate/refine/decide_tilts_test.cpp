@@ -133,6 +133,13 @@ TEST_F(DecideTilts, TheOtherTiltStaysByItsOdds) {
   EXPECT_LT(degrees(0.0, 6, 10.0), 6.0);
 }
 
+TEST_F(DecideTilts, WhatIsNoNumberLeavesEvenOdds) {
+  std::vector<ChosenPose> poses = posesOf(-10.0, std::nan(""), 0, 0.0);
+  decideTilts(viewed_.aligner(), floor_, &poses);
+  EXPECT_EQ(poses[0].odds, 0.0);
+  EXPECT_TRUE(isometryNear(poses[0].pose.T_camera_part, tilted(-10.0), 1e-9, 1e-6));
+}
+
 TEST_F(DecideTilts, ABinsFloorCountsAsTwoOthers) {
   floor_ = planar_bin_picking::normalOf(tilted(10.0), Face::kFront);
   EXPECT_NEAR(decided(posesOf(-10.0, 1.0, 0, 0.0)), 10.0, 1.0);
