@@ -8,6 +8,8 @@
 #include "locate/evidence/wall_evidence.h"
 #include "part/part_extent.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 
@@ -43,10 +45,31 @@ constexpr std::array<std::array<double, 3>, 8> kSearch = {{{0.03, 0, 0},
                                                            {0, 0, -0.12},
                                                            {-0.06, 0, 0}}};
 
-/// Starts along the slides of an outline and of its turns, the best of all; and the reach from
-/// there, a share of that at first: the slides leave a step.
+/// Starts along the slides of an outline and of its turns, the best of all.
 constexpr std::size_t kSlideStarts = 4;
-constexpr double kSlideReach = 0.3;
+
+/// An outline is long whose points spread along one axis by more than this times the other.
+constexpr double kLong = 1.5;
+
+/// PartOutline::other_tilts of an outline.
+std::vector<Eigen::Matrix2d> otherTiltsOf(const std::vector<LocalPoint>& points) {
+  std::vector<Eigen::Matrix2d> out{-Eigen::Matrix2d::Identity()};
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const LocalPoint& p : points) mean += Eigen::Vector2d(p.x, p.y);
+  mean /= static_cast<double>(points.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const LocalPoint& p : points) {
+    const Eigen::Vector2d off = Eigen::Vector2d(p.x, p.y) - mean;
+    spread += off * off.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
+  if (axes.eigenvalues()(1) < kLong * kLong * axes.eigenvalues()(0)) return out;
+  for (const int k : {0, 1}) {
+    const Eigen::Vector2d axis = axes.eigenvectors().col(k);
+    out.push_back(Eigen::Matrix2d::Identity() - 2.0 * axis * axis.transpose());
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -65,7 +88,8 @@ Aligner::Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams&
                          shapePoints(params.field_points),
                          localPoints(*part, params.image_points, is_print),
                          {face, face},
-                         Slides(shapePoints(params.image_points))});
+                         Slides(shapePoints(params.image_points)),
+                         otherTiltsOf(shapePoints(params.wide_points))});
   }
 }
 

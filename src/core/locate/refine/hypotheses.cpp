@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "locate/refine/hypotheses.h"
 
-#include "base/plane_pose.h"
 #include "locate/prior/scene_normals.h"
 #include "locate/refine/edge_offset.h"
 #include "part/visible_face.h"
@@ -19,6 +18,9 @@ namespace {
 /// lower edges, often lost in a shadow; over the print, of which chance confirms 0.1 to 0.3
 /// (print_evidence.h).
 constexpr double kOutlineSigma = 0.015, kWallSigma = 0.075, kPrintSigma = 0.1;
+/// Score of walls' lower edges that chance gives: of 142 pairs of tilts whose better score was
+/// below 0.4 that one was right in 83, of 71 above in 70.
+constexpr double kWallChance = 0.3;
 /// The same for two tilts, which differ by less than a pixel, so that hardly an edge is lost. Their
 /// residuals tell them apart: so many edges err independently of one another, by Gaussians of
 /// unknown width, of this many pixels at least. (Of 757 pairs in simulated heaps and rendered
@@ -50,6 +52,7 @@ constexpr double kOnePlace = 0.5;
 constexpr double kFloorSigma = 0.02, kFloorParts = 2.0;
 /// What is decided of the others tells more of each.
 constexpr int kTiltRounds = 3;
+constexpr int kRivalRounds = 3;
 constexpr std::size_t kMostAligned = 8;  // near-symmetries of one pose, the best in the field: time
 constexpr std::size_t kEnoughPoints = 64;  // to compare two poses by: time
 
@@ -81,23 +84,31 @@ double printOdds(const Aligner& aligner, const PoseHypothesis& pose) {
   return (aligner.printScoreOf(pose) - kPrintEven) / kPrintSigma;
 }
 
-/// The other plane that looks nearly the same: tilted the other way about the line of sight ([4]).
-std::optional<PoseHypothesis> otherTilt(const Aligner& aligner, const RefineParams& params,
-                                        const PoseHypothesis& pose) {
-  const Eigen::Isometry3d T_part_centre = centreOf(*aligner.outlineOf(pose).part, pose.face);
+/// The poses that look nearly the same, likeliest first: tilted the other way about the line of
+/// sight ([4]); and where the outline is long, about one of its axes only, since the edges of its
+/// long sides hardly tell the tilts about either from one another.
+std::vector<PoseHypothesis> otherTilts(const Aligner& aligner, const RefineParams& params,
+                                       const PoseHypothesis& pose) {
+  const PartOutline& outline = aligner.outlineOf(pose);
+  const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, pose.face);
   const Eigen::Isometry3d T = pose.T_camera_part * T_part_centre;
-  const Eigen::Vector2d p = T.translation().hnormalized();
-  Eigen::Matrix<double, 2, 3> project;
-  project << 1, 0, -p.x(), 0, 1, -p.y();
-  const Eigen::Matrix2d A = project * T.linear().leftCols<2>() / T.translation().z();
-  const auto planes = posesFromAffine(A, p);
-  const auto apart = [&](int k) { return (planes[k].linear().col(2) - T.linear().col(2)).norm(); };
-  const int k = apart(0) > apart(1) ? 0 : 1;
-  const double tilt = std::acos(std::min(1.0, std::abs(planes[k].linear()(2, 2))));
-  if (apart(k) < kTiltsApart || tilt > (params.tilt_limit_deg + kTiltSlackDeg) * M_PI / 180.0)
-    return std::nullopt;
-  PoseHypothesis out = pose;
-  out.T_camera_part = planes[k] * T_part_centre.inverse();
+  const Eigen::Vector3d sight = T.translation().normalized();
+  const double towards = T.linear().col(2).dot(sight) < 0.0 ? -1.0 : 1.0;
+  const Eigen::Vector3d seen = towards * (T.linear().transpose() * sight);  // centre frame
+  std::vector<PoseHypothesis> out;
+  for (const Eigen::Matrix2d& turned : outline.other_tilts) {
+    Eigen::Vector3d as_seen = seen;
+    as_seen.head<2>() = turned * seen.head<2>();
+    PoseHypothesis other = pose;
+    Eigen::Isometry3d T_other = T;
+    T_other.linear() *= Eigen::Quaterniond::FromTwoVectors(as_seen, seen).toRotationMatrix();
+    const double tilt = std::acos(std::min(1.0, std::abs(T_other.linear()(2, 2))));
+    if ((as_seen - seen).norm() < kTiltsApart ||
+        tilt > (params.tilt_limit_deg + kTiltSlackDeg) * M_PI / 180.0)
+      continue;
+    other.T_camera_part = T_other * T_part_centre.inverse();
+    out.push_back(other);
+  }
   return out;
 }
 
@@ -106,21 +117,31 @@ double residualOf(const PoseHypothesis& pose) {
   return std::hypot(kLeastResidualPx, pose.image.residual_px);
 }
 
+/// The likeliest other tilt that is another pose once aligned and may compete.
+std::optional<PoseHypothesis> competingTilt(const Aligner& aligner, const RefineParams& params,
+                                            const PoseHypothesis& pose) {
+  for (PoseHypothesis& other : otherTilts(aligner, params, pose)) {
+    aligner.alignWide(&other);
+    if (other.inlier_score < pose.inlier_score - kHopeless) continue;
+    aligner.alignNarrow(&other);
+    aligner.alignNarrow(&other);  // from so far the first one often ends halfway
+    if ((normalOf(other) - normalOf(pose)).norm() > kTiltsAligned) return other;
+  }
+  return std::nullopt;
+}
+
 void compareTilts(const Aligner& aligner, const RefineParams& params, ChosenPose* chosen) {
-  auto other = otherTilt(aligner, params, chosen->pose);
+  auto other = competingTilt(aligner, params, chosen->pose);
   if (!other) return;
-  aligner.alignWide(&*other);
-  if (other->inlier_score < chosen->pose.inlier_score - kHopeless) return;
-  aligner.alignNarrow(&*other);
   double lead = (chosen->pose.inlier_score - other->inlier_score) / kTiltSigma +
                 kResiduals * std::log(residualOf(*other) / residualOf(chosen->pose));
   const auto wall = aligner.wallScoreOf(chosen->pose), other_wall = aligner.wallScoreOf(*other);
-  if (wall && other_wall) lead += (*wall - *other_wall) / kWallSigma;
+  if (wall && other_wall)
+    lead += (std::max(*wall, kWallChance) - std::max(*other_wall, kWallChance)) / kWallSigma;
   if (lead < 0.0) {
     std::swap(chosen->pose, *other);
     lead = -lead;
   }
-  if ((normalOf(*other) - normalOf(chosen->pose)).norm() <= kTiltsAligned) return;
   chosen->other_tilt = other;
   chosen->lead = lead;
 }
@@ -148,15 +169,15 @@ std::vector<Rival> rivalsOf(const Aligner& aligner, const PoseHypothesis& pose) 
   return rivals;
 }
 
-/// Over the points alone at which the two differ: the others find the same edges.
-void compareNearSymmetries(const Aligner& aligner, ChosenPose* chosen) {
+/// The best rival, over the points alone at which the two differ: the others find the same edges.
+/// @return  whether there is a better one
+bool compareNearSymmetries(const Aligner& aligner, ChosenPose* chosen) {
   const PoseHypothesis pose = chosen->pose;
   const PartModel& part = *aligner.outlineOf(pose).part;
   const auto rivals = rivalsOf(aligner, pose);
-  if (rivals.empty()) return;
+  if (rivals.empty()) return false;
   const double print = printOdds(aligner, pose);
-  PoseHypothesis best = pose;
-  Rival chosen_rival{0.0, nullptr};
+  double best = 0.0;
   for (const auto& [gain, other] : rivals) {
     PoseHypothesis rival = moved(pose, *other);
     aligner.alignNarrow(&rival);
@@ -167,13 +188,11 @@ void compareNearSymmetries(const Aligner& aligner, ChosenPose* chosen) {
                            aligner.inlierScoreOf(pose, pointsAt(part, other->only_part));
     const double odds =
         outline * std::sqrt(share) / kOutlineSigma + printOdds(aligner, rival) - print;
-    if (odds <= chosen_rival.odds || rival.inlier_score < pose.inlier_score - kOutlineWorse)
-      continue;
-    chosen_rival = {odds, other};
-    best = rival;
+    if (odds <= best || rival.inlier_score < pose.inlier_score - kOutlineWorse) continue;
+    best = odds;
+    chosen->pose = rival;
   }
-  if (chosen_rival.other == nullptr) return;
-  chosen->pose = best;
+  return best > 0.0;
 }
 
 /// Symmetries that the print alone tells apart.
@@ -243,7 +262,9 @@ std::vector<SceneNormal> normalsOf(const std::vector<ChosenPose>& poses,
 ChosenPose chooseHypothesis(const Aligner& aligner, const RefineParams& params,
                             const PoseHypothesis& pose) {
   ChosenPose chosen{pose, std::nullopt, 0.0};
-  compareNearSymmetries(aligner, &chosen);
+  // Each rival was compared with the pose, not yet with the other ones.
+  for (int round = 0; round < kRivalRounds; ++round)
+    if (!compareNearSymmetries(aligner, &chosen)) break;
   comparePrint(aligner, &chosen);
   compareTilts(aligner, params, &chosen);
   return chosen;

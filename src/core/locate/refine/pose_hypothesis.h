@@ -42,6 +42,8 @@ struct PartOutline {
   std::vector<LocalPoint> print;
   std::array<FaceOutline, 2> faces;  ///< by Face
   Slides slides;
+  /// In the frame of the centre: where the line of sight may as well pass through the outline.
+  std::vector<Eigen::Matrix2d> other_tilts;
 
   const FaceOutline& of(Face face) const { return faces[static_cast<int>(face)]; }
   FaceOutline& of(Face face) { return faces[static_cast<int>(face)]; }
