@@ -14,6 +14,10 @@
 #define PBP_SIMD
 #endif
 
+/// Functions that a function marked PBP_SIMD calls are compiled with it where they are marked so;
+/// others may be left to the lesser of the two.
+#define PBP_INLINE inline __attribute__((always_inline))
+
 /// The lanes of a vector of bytes in the order that follows it. GCC before 12 and Clang have no
 /// common name for this.
 #if defined(__clang__)

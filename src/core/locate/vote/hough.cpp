@@ -135,16 +135,11 @@ std::vector<OutlinePoint> rasterPoints(const PartModel& part, int count) {
   return out;
 }
 
-/// The cells that a view's centre may take.
-struct Range {
-  int row0 = 0, row1 = 0, col0 = 0, col1 = 0;
-};
-
 /// The raster points of all views as offsets into the planes, in one block: some thousand small
 /// ones would cost the heap as much again.
 struct Layouts {
   std::size_t points;
-  std::vector<std::int32_t> offsets;  // [view][point]
+  std::vector<std::int32_t> offsets;  // [view][point], see Offsets
   std::vector<Range> ranges;          // [view]
 
   Layouts(std::size_t views, std::size_t points_of_each)
@@ -179,13 +174,14 @@ Range layOut(const std::vector<OutlinePoint>& points, const PartModel& part, con
   const Eigen::Matrix2d to_half = A * (field.focal / planes.half);
   const Eigen::Matrix2d to_normal = A.inverse().transpose();
   Eigen::AlignedBox2d box;
+  std::int32_t* to = offset;
   for (const auto& p : points) {
     const Eigen::Vector2d q = to_half * (p.position - part.center());
     const Eigen::Vector2d n = to_normal * p.normal;
     box.extend(q);
-    *offset++ = static_cast<std::int32_t>(planes.offset(directionBin(n.x(), n.y()),
-                                                        static_cast<int>(std::floor(q.x() + 0.5)),
-                                                        static_cast<int>(std::floor(q.y() + 0.5))));
+    *to++ = static_cast<std::int32_t>(planes.offset(directionBin(n.x(), n.y()),
+                                                    static_cast<int>(std::floor(q.x() + 0.5)),
+                                                    static_cast<int>(std::floor(q.y() + 0.5))));
   }
   Range out;
   const Eigen::Vector2d lo = 0.5 * kInViewShare * box.min(), hi = 0.5 * kInViewShare * box.max();
@@ -193,6 +189,9 @@ Range layOut(const std::vector<OutlinePoint>& points, const PartModel& part, con
   out.row0 = std::max(0, static_cast<int>(std::ceil(-lo.y())));
   out.col1 = std::min(planes.cols, static_cast<int>(std::floor(planes.cols - hi.x())));
   out.row1 = std::min(planes.rows, static_cast<int>(std::floor(planes.rows - hi.y())));
+  for (; offset != to; ++offset)
+    *offset = static_cast<std::int32_t>(
+        planes.byteOf((out.col0 & 1) + static_cast<std::size_t>(*offset)));
   return out;
 }
 
@@ -230,19 +229,20 @@ class TileRow {
 /// Votes of one view for the centres in rows row0 to row1 of one row of tiles.
 void vote(const VotePlanes& planes, const Layouts& layouts, int row0, int row1, int view,
           int sector, TileRow* tiles) {
-  const Range& range = layouts.ranges[view];
-  const Offsets offsets = layouts.offsetsOf(view);
+  Range range = layouts.ranges[view];
+  range.row0 = std::max(range.row0, row0);
+  range.row1 = std::min(range.row1, row1);
   const PruningThresholds& thresholds = tiles->thresholds(sector);
-  std::array<std::uint8_t, kChunk> sums;
-  for (int row = std::max(range.row0, row0); row < std::min(range.row1, row1); ++row) {
-    for (int col = range.col0; col < range.col1; col += kChunk) {
-      const std::uint8_t* base =
-          planes.votes.data() + static_cast<std::size_t>(row) * planes.pitch + col;
-      if (!sumChunk(base, offsets, thresholds, col, &sums)) continue;
-      const int end = std::min(kChunk, range.col1 - col);
-      for (int i = 0; i < end; ++i) {
-        if (sums[i] <= thresholds.best(col + i)) continue;
-        tiles->add({sums[i], view, row, col + i}, sector);
+  VoteScan scan(planes, layouts.offsetsOf(view), range);
+  VoteScan::Chunks found;
+  while (scan.next(thresholds, &found)) {
+    for (int from = 0; from < found.count; from += kChunk) {
+      // A bin of the chunk before may have raised the thresholds of a tile that is in both.
+      if (!thresholds.anyGoesOn(&found.first[from], found.col + from)) continue;
+      const int end = std::min(from + kChunk, range.col1 - found.col);
+      for (int i = from; i < end; ++i) {
+        if (found.all[i] <= thresholds.best(found.col + i)) continue;
+        tiles->add({found.all[i], view, found.row, found.col + i}, sector);
       }
     }
   }

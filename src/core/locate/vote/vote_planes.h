@@ -20,20 +20,27 @@ inline constexpr int kMaxVote = 3;  // votes of a raster point that lies right o
 /// Votes by direction on a grid of half cells, split by phase so that whole cells are neighbours.
 /// About them lie empty cells, for raster points out of the picture: those before a row are also
 /// those behind the row before, and those above a plane also those below the plane before.
+///
+/// Two neighbouring cells share a byte, since the bytes that come from the second cache make the
+/// time of a vote: in one copy the right one of them is odd, in the other even.
 struct VotePlanes {
   double half = 1.0;  // half a cell, field pixels
-  int rows = 0, cols = 0, pad = 0, pitch = 0;
-  std::size_t plane = 0;
-  std::vector<std::uint8_t> votes;  // [direction][phase y][phase x][pad + rows][pitch], and a pad
+  int rows = 0, cols = 0;
+  int pad = 0, pitch = 0;  // even, so that a cell is as odd as its column
+  std::size_t plane = 0;   // cells
+  std::size_t copy = 0;    // bytes
+  // [copy][direction][phase y][phase x][pad + rows][pitch / 2], and a pad
+  std::vector<std::uint8_t> votes;
 
+  /// Cells from the first of all to this one.
   std::size_t offset(int direction, int hx, int hy) const {
     const int phase = (hy & 1) * 2 + (hx & 1);
     return (static_cast<std::size_t>(direction) * 4 + phase) * plane +
            static_cast<std::size_t>((hy >> 1) + pad) * pitch + (hx >> 1) + pad;
   }
-  std::size_t bytes() const {
-    return 4 * kDirections * plane + static_cast<std::size_t>(pad + 1) * pitch;
-  }
+  /// The byte whose lower half is this cell, and the upper one its right neighbour.
+  std::size_t byteOf(std::size_t cell) const { return (cell & 1) * copy + (cell >> 1); }
+  std::size_t bytes() const { return 2 * copy; }
 };
 
 /// Sizes only, no votes yet: these take memory.
@@ -44,14 +51,20 @@ VotePlanes sizePlanes(const Field& field, double half, double reach_px);
 /// @param tolerance_px  an edgel this far off a raster point still counts a little
 void fillPlanes(const Field& field, double tolerance_px, int threads, VotePlanes* planes);
 
-/// Positions of a row whose sums are made at a time, in registers.
+/// Positions of a row that are judged together.
 inline constexpr int kChunk = 64;
 inline constexpr int kMaxPoints = 85;  // whose votes fit into a byte
 
-/// Of raster points from the centre that they vote for.
+/// Of raster points from the centre that they vote for: bytes, for centres in columns that are as
+/// odd as those of the view's range.
 struct Offsets {
   const std::int32_t* begin;
   int count;
+};
+
+/// The cells that a view's centre may take.
+struct Range {
+  int row0 = 0, row1 = 0, col0 = 0, col1 = 0;
 };
 
 /// What the votes of a position must exceed to be the best of its tile, over a row of positions.
@@ -61,19 +74,48 @@ class PruningThresholds {
     set(0, columns, std::max(0, floor - 1));
   }
   void set(int column, int count, int votes);
-  std::uint8_t best(int column) const { return best_[column]; }
+  std::uint8_t best(int column) const { return *bestFrom(column); }
+  /// Of every other column from this one on: after all points, and after the first third.
+  const std::uint8_t* bestFrom(int column) const { return best_.from(column); }
+  const std::uint8_t* firstFrom(int column) const { return first_.from(column); }
+  /// Whether any of a chunk's votes after the first third is enough to go on.
+  bool anyGoesOn(const std::uint8_t* first, int column) const;
 
  private:
-  friend bool sumChunk(const std::uint8_t*, const Offsets&, const PruningThresholds&, int,
-                       std::array<std::uint8_t, kChunk>*);
-  std::vector<std::uint8_t> best_, first_;  // after all points, after the first ones
+  /// Even columns, then odd ones, as votes are packed.
+  struct Row {
+    explicit Row(int columns) : half(columns / 2 + 1), values(2 * half) {}
+    void fill(int column, int count, std::uint8_t value);
+    const std::uint8_t* from(int column) const {
+      return values.data() + (column & 1) * half + (column >> 1);
+    }
+    int half;
+    std::vector<std::uint8_t> values;
+  };
+  Row best_, first_;
 };
 
-/// Votes of raster points that lie `offsets` past the centre, for kChunk centres from `base` on,
-/// the first of them in `column`.
-/// @return  whether any exceeds its threshold; false, too, where none comes near after the first
-/// third
-bool sumChunk(const std::uint8_t* base, const Offsets& offsets, const PruningThresholds& thresholds,
-              int column, std::array<std::uint8_t, kChunk>* sums);
+/// Votes of one view, chunk after chunk of the centres in its range.
+class VoteScan {
+ public:
+  VoteScan(const VotePlanes& planes, const Offsets& offsets, const Range& range)
+      : planes_(planes), offsets_(offsets), range_(range), row_(range.row0), col_(range.col0) {}
+
+  /// One chunk, or two side by side.
+  struct Chunks {
+    int row, col, count;                              // count of columns
+    std::array<std::uint8_t, 2 * kChunk> first, all;  // by column: votes of a third, and of all
+  };
+  /// The next chunks with a centre that exceeds its threshold.
+  /// @return  false where there are no more; nor are there chunks of which no centre comes near
+  ///          after the first third
+  bool next(const PruningThresholds& thresholds, Chunks* out);
+
+ private:
+  const VotePlanes& planes_;
+  Offsets offsets_;
+  Range range_;
+  int row_, col_;
+};
 
 }  // namespace planar_bin_picking

@@ -54,9 +54,13 @@ TEST(Hough, PointsOutOfThePictureGetNoVotes) {
     for (int y = -2 * planes.pad; y < 2 * below; ++y) {
       for (int x = -2 * planes.pad; x < 2 * right; ++x) {
         const std::size_t at = planes.offset(direction, x, y);
-        ASSERT_LT(at, planes.votes.size()) << direction << " " << x << " " << y;
+        ASSERT_LT(planes.byteOf(at), planes.votes.size()) << direction << " " << x << " " << y;
         const bool inside = x >= 0 && x < field.width && y >= 0 && y < field.height;
-        ASSERT_EQ(planes.votes[at], inside ? kMaxVote : 0) << direction << " " << x << " " << y;
+        const int votes = inside ? kMaxVote : 0;
+        ASSERT_EQ(planes.votes[planes.byteOf(at)] & 15, votes) << direction << " " << x << " " << y;
+        if (at == 0) continue;
+        ASSERT_EQ(planes.votes[planes.byteOf(at - 1)] >> 4, votes)
+            << direction << " " << x << " " << y;
       }
     }
   }
