@@ -35,17 +35,23 @@ typedef std::uint8_t ByteVector __attribute__((vector_size(32)));
 typedef double DoubleVector __attribute__((vector_size(32)));
 inline constexpr int kDoublesOfVector = 4;
 
-/// Sum of the products of n numbers, a multiple of kDoublesOfVector. Inline, so that it is compiled
-/// as the function that calls it.
-inline double dot(const double* a, const double* b, int n) {
+/// By pointer: a vector as a result would be passed in other ways with AVX2 and without.
+PBP_INLINE void load(const double* numbers, DoubleVector* out) {
+  std::memcpy(out, numbers, sizeof *out);
+}
+
+PBP_INLINE double sumOf(const DoubleVector& v) { return (v[0] + v[2]) + (v[1] + v[3]); }
+
+/// Sum of the products of n numbers, a multiple of kDoublesOfVector.
+PBP_INLINE double dot(const double* a, const double* b, int n) {
   DoubleVector sum = {};
   for (int i = 0; i < n; i += kDoublesOfVector) {
     DoubleVector u, v;
-    std::memcpy(&u, a + i, sizeof u);
-    std::memcpy(&v, b + i, sizeof v);
+    load(a + i, &u);
+    load(b + i, &v);
     sum += u * v;
   }
-  return (sum[0] + sum[2]) + (sum[1] + sum[3]);
+  return sumOf(sum);
 }
 
 }  // namespace planar_bin_picking

@@ -3,7 +3,7 @@
 #include "locate/align/field_alignment.h"
 
 #include "base/simd.h"
-#include "locate/align/levenberg_marquardt.h"
+#include "locate/align/column_sums.h"
 
 #include <algorithm>
 #include <cmath>
@@ -100,10 +100,12 @@ static void weigh(const FieldBlock& block, const double* x, const double* y, con
 PBP_SIMD
 static void sumUp(const FieldBlock& block, const Rows& rows, NormalEquations* out) {
   const int n = block.count;
+  Columns weighted, J;
   for (int i = 0; i < Rows::kUnknowns; ++i) {
-    out->b(i) += dot(rows.weighted[i].data(), block.d.data(), n);
-    for (int j = 0; j <= i; ++j) out->H(i, j) += dot(rows.weighted[i].data(), rows.J[j].data(), n);
+    weighted[i] = rows.weighted[i].data();
+    J[i] = rows.J[i].data();
   }
+  addColumns(weighted, J, block.d.data(), n, out);
   out->cost += dot(rows.cost.data(), block.is_real.data(), n);
   out->used += static_cast<int>(dot(rows.is_used.data(), block.is_real.data(), n));
 }

@@ -4,6 +4,7 @@
 
 #include "base/scatter.h"
 #include "base/simd.h"
+#include "locate/align/column_sums.h"
 #include "locate/align/levenberg_marquardt.h"
 
 #include <algorithm>
@@ -247,12 +248,13 @@ static void weigh(const double* offset, const double* trust, int n, const Vector
 
 PBP_SIMD
 static void sumUp(const double* rows, const double* residual, int n, NormalEquations* out) {
-  const double* const weighted = rows + RowLanes::kColumns * n;
+  Columns weighted, J;
   for (int i = 0; i < RowLanes::kColumns; ++i) {
-    out->b(i) = dot(weighted + i * n, residual, n);
-    for (int j = 0; j <= i; ++j)
-      out->H(i, j) = out->H(j, i) = dot(weighted + i * n, rows + j * n, n);
+    J[i] = rows + i * n;
+    weighted[i] = rows + (RowLanes::kColumns + i) * n;
   }
+  addColumns(weighted, J, residual, n, out);
+  out->H.triangularView<Eigen::StrictlyUpper>() = out->H.transpose();
 }
 
 NormalEquations RowLanes::equationsAt(const Vector6d& xi, double tukey_px) {

@@ -10,6 +10,8 @@
 #include <Eigen/Dense>
 
 #include <cmath>
+#include <random>
+#include <vector>
 
 namespace planar_bin_picking {
 namespace {
@@ -196,6 +198,27 @@ TEST(ImageAlignment, TheCostIsBoundedAndItsSlopeIsTheGradient) {
     EXPECT_EQ(at(r, 0.3).cost, 0.3) << r;
     EXPECT_EQ(at(r, 0.3).used, 0) << r;
     EXPECT_TRUE(at(r, 0.3).b.isZero(0.0)) << r;
+  }
+}
+
+/// Many rows at a time sum up to what single ones do.
+TEST(ImageAlignment, TheEquationsAreThoseOfSingleRows) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (const int count : {1, 15, 16, 53}) {
+    std::vector<AlignmentRow> rows(count);
+    NormalEquations expected;
+    for (AlignmentRow& row : rows) {
+      for (int i = 0; i < 6; ++i) row.J(i) = normal(random);
+      row.offset = normal(random);
+      row.trust = 0.7;
+      const double e = 1.0 - row.offset * row.offset / (kTukeyPx * kTukeyPx);
+      if (e > 0.0) expected.add(row.J, -row.offset, row.trust * e * e);
+    }
+    const NormalEquations here = normalEquations(rows, Vector6d::Zero(), kTukeyPx);
+    EXPECT_TRUE(here.H.isApprox(expected.H, 1e-12)) << count;
+    EXPECT_TRUE(here.b.isApprox(expected.b, 1e-12)) << count;
+    EXPECT_EQ(here.used, expected.used) << count;
   }
 }
 
