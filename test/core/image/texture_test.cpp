@@ -48,6 +48,17 @@ TEST(Texture, ThreadsDoNotMatter) {
     for (int x = 0; x < image.cols; x += 7) EXPECT_EQ(one.at(x, y), three.at(x, y));
 }
 
+/// Levels side by side are found together, where there are as many.
+TEST(Texture, IsTheSameInAPieceOfTheImage) {
+  const cv::Mat image = mottledImage();
+  const Texture whole(image, 1);
+  for (int col = 2; col < 76; ++col) {
+    // Two blocks to the right that a level is taken from, and the border's gradient behind.
+    const Texture piece(image(cv::Rect(0, 0, 8 * (col + 4), image.rows)), 1);
+    for (int y = 0; y < image.rows; y += 8) EXPECT_EQ(piece.at(8 * col, y), whole.at(8 * col, y));
+  }
+}
+
 TEST(Texture, SmallImagesHaveOneToo) {
   const Texture texture(cv::Mat(5, 3, CV_8U, cv::Scalar(80)), 1);
   EXPECT_EQ(texture.at(2, 4), 0.0f);
