@@ -223,33 +223,55 @@ void relaxRow(int w, int step, const Directions* above, Directions* row) {
   }
 }
 
-/// Two-pass 3-4 chamfer distance transform of all directions at once, of `h` rows of `w` pixels.
-void distanceTransform(int w, int h, std::uint8_t* d) {
-  const std::vector<std::uint8_t> far(static_cast<std::size_t>(w) * kDirections, kFarDistance);
-  const auto row = [&](std::uint8_t* of, int y) {
-    return reinterpret_cast<Directions*>(of) + static_cast<std::ptrdiff_t>(y) * w;
-  };
-  const auto* outside = reinterpret_cast<const Directions*>(far.data());
-  for (int y = 0; y < h; ++y) relaxRow(w, 1, y > 0 ? row(d, y - 1) : outside, row(d, y));
-  for (int y = h - 1; y >= 0; --y) {
-    relaxRow(w, -1, (y + 1 < h ? row(d, y + 1) : outside) + w - 1, row(d, y) + w - 1);
+/// Two-pass 3-4 chamfer distance transform of all directions at once, of rows of `w` pixels.
+void distanceTransform(int w, const std::vector<std::uint8_t*>& rows) {
+  std::vector<std::uint8_t> outside(static_cast<std::size_t>(w) * kDirections, kFarDistance);
+  const auto row = [](std::uint8_t* of) { return reinterpret_cast<Directions*>(of); };
+  std::uint8_t* last = outside.data();
+  for (std::uint8_t* const here : rows) {
+    relaxRow(w, 1, row(last), row(here));
+    last = here;
   }
+  last = outside.data();
+  for (auto here = rows.rbegin(); here != rows.rend(); last = *here++)
+    relaxRow(w, -1, row(last) + w - 1, row(*here) + w - 1);
 }
 
-/// The transform of the field in bands, each with as many more rows as the farthest distance spans:
-/// the same result on any number of threads.
-void distanceTransform(Field* field, int threads) {
+/// An edgel in the field.
+struct Edgel {
+  int row, place;  ///< place in the row
+  bool is_faint;
+};
+
+/// The distances from the edgels in bands, each with as many more rows as the farthest distance
+/// spans: the same result on any number of threads.
+/// @param faint  distance of an edgel that may be texture
+void setDistances(const std::vector<std::vector<Edgel>>& edgels, std::uint8_t faint, int threads,
+                  Field* field) {
   constexpr int kHalo = kFarDistance / kUnitsPerFieldPixel;
   const int h = field->height;
   const std::size_t row = static_cast<std::size_t>(field->width) * kDirections;
-  const std::vector<std::uint8_t> edgels = field->distance;
+  field->distance.assign(h * row, kFarDistance);
   parallelFor(threads, threads, [&](int band) {
     const int y0 = h * band / threads, y1 = h * (band + 1) / threads;
     const int from = std::max(0, y0 - kHalo), to = std::min(h, y1 + kHalo);
-    std::vector<std::uint8_t> rows(edgels.begin() + from * row, edgels.begin() + to * row);
-    distanceTransform(field->width, to - from, rows.data());
-    std::copy(rows.begin() + (y0 - from) * row, rows.begin() + (y1 - from) * row,
-              field->distance.begin() + y0 * row);
+    // The rows of other bands are their own: these are copies.
+    std::vector<std::uint8_t> others(((y0 - from) + (to - y1)) * row, kFarDistance);
+    std::uint8_t* other = others.data();
+    std::vector<std::uint8_t*> rows;
+    for (int y = from; y < to; ++y) {
+      const bool own = y0 <= y && y < y1;
+      rows.push_back(own ? field->distance.data() + y * row : other);
+      if (!own) other += row;
+    }
+    for (const auto& found : edgels) {
+      for (const Edgel& edgel : found) {
+        if (edgel.row < from || edgel.row >= to) continue;
+        std::uint8_t& distance = rows[edgel.row - from][edgel.place];
+        distance = std::min(distance, edgel.is_faint ? faint : std::uint8_t{0});
+      }
+    }
+    distanceTransform(field->width, rows);
   });
 }
 
@@ -274,15 +296,8 @@ static void spreadDirections(Field* field, double cost_px, int y0, int y1) {
 
 namespace {
 
-/// An edgel in the field.
-struct Edgel {
-  std::size_t place;  ///< in Field::distance
-  bool is_faint;
-};
-
 /// The edgels that rows y0 to y1 hold.
-std::vector<Edgel> placeEdgels(const Marks& marks, const UndistortGrid& undistort,
-                               const Field& field, int y0, int y1) {
+std::vector<Edgel> placeEdgels(const Marks& marks, const UndistortGrid& undistort, int y0, int y1) {
   std::vector<Edgel> out;
   for (int y = std::max(y0, kBorder); y < std::min(y1, marks.direction.rows - kBorder); ++y) {
     const auto *row = marks.direction.ptr(y), *is_faint = marks.is_faint.ptr(y);
@@ -290,8 +305,7 @@ std::vector<Edgel> placeEdgels(const Marks& marks, const UndistortGrid& undistor
       if (row[x] == 0 || !continues(marks.direction, x, y, row[x] - 1)) continue;
       const Eigen::Vector2d p = undistort(x, y);
       const int u = static_cast<int>(p.x() + 0.5), v = static_cast<int>(p.y() + 0.5);
-      const std::size_t pixel = static_cast<std::size_t>(v) * field.width + u;
-      out.push_back({pixel * kDirections + row[x] - 1, is_faint[x] != 0});
+      out.push_back({v, u * kDirections + row[x] - 1, is_faint[x] != 0});
     }
   }
   return out;
@@ -311,22 +325,14 @@ Field makeField(const Base& base, const std::array<float, 256>& noise, const Cam
 
   Field field;
   const UndistortGrid undistort(camera, base, &field);
-  field.distance.assign(static_cast<std::size_t>(field.width) * field.height * kDirections,
-                        kFarDistance);
   std::vector<std::vector<Edgel>> edgels(bands);
   parallelFor(bands, threads, [&](int i) {
-    edgels[i] = placeEdgels(marks, undistort, field, i * kBand, (i + 1) * kBand);
+    edgels[i] = placeEdgels(marks, undistort, i * kBand, (i + 1) * kBand);
   });
   const auto farther =
       static_cast<std::uint8_t>(std::lround(params.texture_cost_px * kUnitsPerFieldPixel));
-  for (const auto& band : edgels) {
-    for (const Edgel& edgel : band) {
-      std::uint8_t& distance = field.distance[edgel.place];
-      distance = std::min(distance, edgel.is_faint ? farther : std::uint8_t{0});
-    }
-    *count += band.size();
-  }
-  distanceTransform(&field, threads);
+  for (const auto& band : edgels) *count += band.size();
+  setDistances(edgels, farther, threads, &field);
   parallelFor((field.height + kBand - 1) / kBand, threads, [&](int i) {
     spreadDirections(&field, params.direction_cost_px, i * kBand,
                      std::min((i + 1) * kBand, field.height));
@@ -348,9 +354,10 @@ EdgeMap findEdges(const cv::Mat& image, const Camera& camera, const std::vector<
     map.field_of.push_back(static_cast<std::size_t>(known - shrinks.begin()));
     if (known == shrinks.end()) shrinks.push_back(shrink);
   }
-  map.noise = estimateNoise(shrinkImage(map.image, usual).grey);
+  const Base usual_base = shrinkImage(map.image, usual);
+  map.noise = estimateNoise(usual_base.grey);
   for (const int shrink : shrinks) {
-    const Base base = shrinkImage(map.image, shrink);
+    const Base base = shrink == usual ? usual_base : shrinkImage(map.image, shrink);
     const auto noise = shrink == usual ? map.noise : estimateNoise(base.grey);
     map.fields.push_back(makeField(base, noise, camera, params, threads, &map.edgels));
   }
