@@ -35,8 +35,16 @@ typedef std::uint8_t ByteVector __attribute__((vector_size(32)));
 typedef double DoubleVector __attribute__((vector_size(32)));
 inline constexpr int kDoublesOfVector = 4;
 
+/// The same of floats, and what comparing them gives.
+typedef float FloatVector __attribute__((vector_size(32)));
+typedef std::int32_t IntVector __attribute__((vector_size(32)));
+inline constexpr int kFloatsOfVector = 8;
+
 /// By pointer: a vector as a result would be passed in other ways with AVX2 and without.
 PBP_INLINE void load(const double* numbers, DoubleVector* out) {
+  std::memcpy(out, numbers, sizeof *out);
+}
+PBP_INLINE void load(const float* numbers, FloatVector* out) {
   std::memcpy(out, numbers, sizeof *out);
 }
 

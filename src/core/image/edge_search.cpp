@@ -6,6 +6,7 @@
 #include "image/profile.h"
 
 #include <cmath>
+#include <cstring>
 
 namespace planar_bin_picking {
 namespace {
@@ -144,27 +145,33 @@ struct Peaks {
 PBP_SIMD
 static void findPeaks(const float* energy, int reach, const FloatLanes& least,
                       const FloatLanes& clear, Peaks* out) {
-  FloatLanes merit{}, at_px{}, height{};
-  IntLanes place{};
   const float share = 1.0f / static_cast<float>(reach + 1);
-  for (int i = 1; i < 2 * reach + 2; ++i) {
-    const float* const a = energy + i * kLanes;
-    const auto middle = static_cast<float>(i - reach - 1);
-    for (int l = 0; l < kLanes; ++l) {
-      const float here = a[l], before = a[l - kLanes], after = a[l + kLanes];
+  for (int l = 0; l < kLanes; l += kFloatsOfVector) {
+    FloatVector merit = {}, at_px = {}, height = {}, enough, most, before, here, after;
+    IntVector place = {};
+    load(&least[l], &enough);
+    load(&clear[l], &most);
+    load(energy + l, &before);
+    load(energy + kLanes + l, &here);
+    for (int i = 1; i < 2 * reach + 2; ++i, before = here, here = after) {
+      load(energy + (i + 1) * kLanes + l, &after);
       // Of a parabola through the three; at a peak its curvature is negative.
-      const float at = middle + 0.5f * (before - after) / (before - 2 * here + after);
-      const float near = at * share;
-      const float worth = std::min(here, clear[l]) * (1.0f - near * near);
-      const float enough = least[l], best = merit[l];
-      const bool is_better = (here >= enough) & (here >= before) & (here > after) & (worth > best);
-      merit[l] = is_better ? worth : merit[l];
-      at_px[l] = is_better ? at : at_px[l];
-      height[l] = is_better ? here : height[l];
-      place[l] = is_better ? i : place[l];
+      const FloatVector at = static_cast<float>(i - reach - 1) +
+                             0.5f * (before - after) / (before - 2.0f * here + after);
+      const FloatVector near = at * share;
+      const FloatVector worth = (most < here ? most : here) * (1.0f - near * near);
+      const IntVector is_better =
+          (here >= enough) & (here >= before) & (here > after) & (worth > merit);
+      merit = is_better ? worth : merit;
+      at_px = is_better ? at : at_px;
+      height = is_better ? here : height;
+      place = is_better ? IntVector{} + i : place;
     }
+    std::memcpy(&out->merit[l], &merit, sizeof merit);
+    std::memcpy(&out->at_px[l], &at_px, sizeof at_px);
+    std::memcpy(&out->height[l], &height, sizeof height);
+    std::memcpy(&out->place[l], &place, sizeof place);
   }
-  *out = {merit, at_px, height, place};
 }
 
 /// Mean over each stretch at all n places.

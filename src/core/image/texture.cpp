@@ -24,10 +24,6 @@ constexpr int kRowStep = 2;  // every second row of the image will do
 constexpr double kQuantile = 0.35;
 constexpr int kSide = 2 * kAround + 1, kNear = kSide * kSide;  // blocks that a level is taken from
 
-/// Several blocks side by side; the compiler splits it where registers are smaller.
-typedef float FloatVector __attribute__((vector_size(32)));
-constexpr int kFloats = sizeof(FloatVector) / sizeof(float);
-
 }  // namespace
 
 /// Adds the strength of Scharr's response at columns 1 to w - 2 of the middle of three rows.
@@ -38,7 +34,8 @@ static void addStrengths(const std::uint8_t* above, const std::uint8_t* row,
     sums[x] += std::sqrt(static_cast<float>(Scharr(above, row, below, x).squared()));
 }
 
-/// The quantile of the blocks about kFloats blocks side by side, none of which is near the border.
+/// The quantile of the blocks about kFloatsOfVector blocks side by side, none of which is near the
+/// border.
 /// @param first  of the blocks about the first of them; `pitch` to the next row
 PBP_SIMD
 static void quantiles(const float* first, std::size_t pitch, float* out) {
@@ -48,7 +45,7 @@ static void quantiles(const float* first, std::size_t pitch, float* out) {
   for (int y = 0; y < kSide; ++y, first += pitch) {
     for (int x = 0; x < kSide; ++x) {
       FloatVector v;
-      std::memcpy(&v, first + x, sizeof v);
+      load(first + x, &v);
       for (FloatVector& l : least) {
         const FloatVector lower = v < l ? v : l;
         v = v < l ? l : v;
@@ -74,9 +71,9 @@ static float quantileAt(const cv::Mat_<float>& mean, int row, int col) {
 static void setLevels(const cv::Mat_<float>& mean, int row, cv::Mat_<float>* level) {
   const bool is_inner = row >= kAround && row + kAround < mean.rows;
   for (int col = 0; col < mean.cols;) {
-    if (is_inner && col >= kAround && col + kFloats + kAround <= mean.cols) {
+    if (is_inner && col >= kAround && col + kFloatsOfVector + kAround <= mean.cols) {
       quantiles(&mean(row - kAround, col - kAround), mean.step1(), &(*level)(row, col));
-      col += kFloats;
+      col += kFloatsOfVector;
     } else {
       (*level)(row, col) = quantileAt(mean, row, col);
       ++col;
