@@ -48,6 +48,10 @@ PBP_INLINE void load(const float* numbers, FloatVector* out) {
   std::memcpy(out, numbers, sizeof *out);
 }
 
+PBP_INLINE void store(const DoubleVector& vector, double* numbers) {
+  std::memcpy(numbers, &vector, sizeof vector);
+}
+
 PBP_INLINE double sumOf(const DoubleVector& v) { return (v[0] + v[2]) + (v[1] + v[3]); }
 
 /// Sum of the products of n numbers, a multiple of kDoublesOfVector.

@@ -220,29 +220,34 @@ class RowLanes {
 PBP_SIMD
 static void weigh(const double* offset, const double* trust, int n, const Vector6d& xi_at,
                   double inv_tukey2, double* rows, double* residual, double* cost, double* used) {
-  constexpr int kLanes = RowLanes::kLanes;
+  constexpr int kColumns = RowLanes::kColumns;
   const double x0 = xi_at(0), x1 = xi_at(1), x2 = xi_at(2), x3 = xi_at(3), x4 = xi_at(4),
                x5 = xi_at(5);
-  std::array<double, kLanes> off, lost, weight;  // apart from the rows: no store changes those
-  for (int first = 0; first < n; first += kLanes) {
-    const double *J0 = rows + first, *J1 = J0 + n, *J2 = J1 + n, *J3 = J2 + n, *J4 = J3 + n,
-                 *J5 = J4 + n, *o = offset + first, *t = trust + first;
-    for (int k = 0; k < kLanes; ++k) {
-      const double r =
-          J0[k] * x0 + J1[k] * x1 + J2[k] * x2 + J3[k] * x3 + J4[k] * x4 + J5[k] * x5 - o[k];
-      const double e = 1.0 - r * r * inv_tukey2, near = 0.5 * (e + std::abs(e));  // or 0: outlier
-      off[k] = r;
-      lost[k] = t[k] * (1.0 - near * near * near);
-      weight[k] = t[k] * near * near;
-    }
-    std::copy(off.begin(), off.end(), residual + first);
-    std::copy(lost.begin(), lost.end(), cost + first);
-    for (int i = 0; i < RowLanes::kColumns; ++i) {
-      const double* const J = rows + i * n + first;
-      double* const weighted = rows + (RowLanes::kColumns + i) * n + first;
-      for (int k = 0; k < kLanes; ++k) weighted[k] = weight[k] * J[k];
-    }
-    for (int k = 0; k < kLanes; ++k) used[first + k] = weight[k] > 0.0 ? 1.0 : 0.0;
+  const DoubleVector zero = {}, one = zero + 1.0;
+  for (int k = 0; k < n; k += kDoublesOfVector) {
+    DoubleVector J0, J1, J2, J3, J4, J5, o, t;
+    load(rows + k, &J0);
+    load(rows + n + k, &J1);
+    load(rows + 2 * n + k, &J2);
+    load(rows + 3 * n + k, &J3);
+    load(rows + 4 * n + k, &J4);
+    load(rows + 5 * n + k, &J5);
+    load(offset + k, &o);
+    load(trust + k, &t);
+    const DoubleVector r = J0 * x0 + J1 * x1 + J2 * x2 + J3 * x3 + J4 * x4 + J5 * x5 - o;
+    const DoubleVector e = one - r * r * inv_tukey2;
+    const DoubleVector near = e > zero ? e : zero;  // or 0: outlier
+    const DoubleVector weight = t * near * near;
+    store(r, residual + k);
+    store(t * (one - near * near * near), cost + k);
+    store(weight > zero ? one : zero, used + k);
+    double* const weighted = rows + kColumns * n + k;
+    store(weight * J0, weighted);
+    store(weight * J1, weighted + n);
+    store(weight * J2, weighted + 2 * n);
+    store(weight * J3, weighted + 3 * n);
+    store(weight * J4, weighted + 4 * n);
+    store(weight * J5, weighted + 5 * n);
   }
 }
 
