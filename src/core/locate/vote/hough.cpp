@@ -236,13 +236,14 @@ void vote(const VotePlanes& planes, const Layouts& layouts, int row0, int row1, 
   VoteScan scan(planes, layouts.offsetsOf(view), range);
   VoteScan::Chunks found;
   while (scan.next(thresholds, &found)) {
-    for (int from = 0; from < found.count; from += kChunk) {
-      // A bin of the chunk before may have raised the thresholds of a tile that is in both.
-      if (!thresholds.anyGoesOn(&found.first[from], found.col + from)) continue;
-      const int end = std::min(from + kChunk, range.col1 - found.col);
-      for (int i = from; i < end; ++i) {
-        if (found.all[i] <= thresholds.best(found.col + i)) continue;
-        tiles->add({found.all[i], view, found.row, found.col + i}, sector);
+    for (const int right : {0, 1}) {
+      const VoteScan::Chunk& chunk = found.chunks[right];
+      const int col = found.col + right * kChunk, end = std::min(kChunk, range.col1 - col);
+      // A bin on the left may have raised the thresholds of a tile that is in both.
+      if (!chunk.is_found || (right && !thresholds.anyGoesOn(chunk.first.data(), col))) continue;
+      for (int i = 0; i < end; ++i) {
+        if (!chunk.is_enough[i] || chunk.all[i] <= thresholds.best(col + i)) continue;
+        tiles->add({chunk.all[i], view, found.row, col + i}, sector);
       }
     }
   }

@@ -36,31 +36,64 @@ VotePlanes sizePlanes(const Field& field, double half, double reach_px) {
   return out;
 }
 
+namespace {
+
+/// All directions of a place at once.
+typedef std::uint8_t Directions __attribute__((vector_size(kDirections)));
+
+/// The farthest distances that give one vote, two and three.
+using Limits = std::array<Directions, kMaxVote>;
+
+Limits limitsOf(double tolerance_px) {
+  constexpr std::array<double, kMaxVote> kShares = {1.0, kTwoVotes, kThreeVotes};
+  Limits out{};
+  for (int d = 0; d < 256; ++d) {
+    const double off = d / (tolerance_px * kUnitsPerFieldPixel);
+    for (int k = 0; k < kMaxVote; ++k)
+      if (off <= kShares[k]) out[k] = Directions{} + static_cast<std::uint8_t>(d);
+  }
+  return out;
+}
+
+/// Votes of a row's cells of one phase, each with its right neighbour in the upper half: from the
+/// one before the first cell on.
+void pairsOf(const Field& field, const VotePlanes& planes, const Limits& limits, int phase, int y,
+             std::vector<Directions>* out) {
+  Directions left = {};
+  for (int col = 0; col <= planes.cols; ++col) {
+    const int x = static_cast<int>(std::lround((2 * col + phase) * planes.half));
+    Directions right = {};
+    if (col < planes.cols && x < field.width) {
+      Directions d;
+      std::memcpy(&d, field.at(x, y), sizeof d);
+      for (const Directions& limit : limits) right += (d <= limit) & 1;
+    }
+    (*out)[col] = left | right << 4;
+    left = right;
+  }
+}
+
+}  // namespace
+
 void fillPlanes(const Field& field, double tolerance_px, int threads, VotePlanes* planes) {
   VotePlanes& out = *planes;
   out.votes.assign(out.bytes(), 0);
-  std::array<std::uint8_t, 256> vote{};
-  for (int d = 0; d < 256; ++d) {
-    const double off = d / (tolerance_px * kUnitsPerFieldPixel);
-    vote[d] = off <= kThreeVotes ? kMaxVote : off <= kTwoVotes ? 2 : off <= 1.0 ? 1 : 0;
-  }
+  const Limits limits = limitsOf(tolerance_px);
   parallelFor(2 * out.rows, threads, [&](int hy) {
     const int y = static_cast<int>(std::lround(hy * out.half));
     if (y >= field.height) return;
+    std::vector<Directions> pairs(out.cols + 1);
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(pairs.data());
     for (const int phase : {0, 1}) {
-      const std::size_t first = out.offset(0, phase, hy);
-      std::array<std::uint8_t, kDirections> left{}, right{};
-      for (int col = -1; col < out.cols; ++col, left = right) {
-        const int x = static_cast<int>(std::lround((2 * (col + 1) + phase) * out.half));
-        if (col + 1 < out.cols && x < field.width) {
-          const auto* d = field.at(x, y);
-          for (int b = 0; b < kDirections; ++b) right[b] = vote[d[b]];
-        } else {
-          right = {};
+      pairsOf(field, out, limits, phase, y, &pairs);
+      for (int direction = 0; direction < kDirections; ++direction) {
+        for (const int first : {0, 1}) {  // of the pairs: odd cells, even cells
+          const std::size_t cell = out.offset(direction, phase, hy) + first - 1;
+          const std::uint8_t* from = bytes + first * kDirections + direction;
+          std::uint8_t* const to = out.votes.data() + out.byteOf(cell);
+          const int count = (out.cols + 2 - first) / 2;
+          for (int k = 0; k < count; ++k) to[k] = from[2 * k * kDirections];
         }
-        std::uint8_t* const to = out.votes.data() + out.byteOf(first + col);
-        for (int b = 0; b < kDirections; ++b)
-          to[b * 2 * out.plane] = static_cast<std::uint8_t>(left[b] | right[b] << 4);
       }
     }
   });
@@ -162,54 +195,66 @@ static PBP_INLINE void addPoints(const std::uint8_t* base, const std::int32_t* o
   *right_out = right;
 }
 
-static PBP_INLINE void unpack(const ChunkSums& sums, std::uint8_t* by_column) {
+static PBP_INLINE void unpack(const ByteVector& even, const ByteVector& odd,
+                              std::array<std::uint8_t, kChunk>* by_column) {
   for (int k = 0; k < kChunk / 2; ++k) {
-    by_column[2 * k] = sums.even[k];
-    by_column[2 * k + 1] = sums.odd[k];
+    (*by_column)[2 * k] = even[k];
+    (*by_column)[2 * k + 1] = odd[k];
   }
 }
 
 /// @param column  of the first centre
-/// @return  whether the chunk exceeds its thresholds; then `out` has the sums
+static PBP_INLINE bool goesOn(const ChunkSums& first, const PruningThresholds& thresholds,
+                              int column) {
+  return anyAbove(first, thresholds.firstFrom(column), thresholds.firstFrom(column + 1));
+}
+
+/// Of a chunk that goes on.
+static PBP_INLINE void find(const ChunkSums& first, const ChunkSums& all,
+                            const PruningThresholds& thresholds, int column, VoteScan::Chunk* out) {
+  const std::uint8_t *const even = thresholds.bestFrom(column), *const odd =
+                                                                    thresholds.bestFrom(column + 1);
+  out->is_found = anyAbove(all, even, odd);
+  if (!out->is_found) return;
+  unpack(first.even, first.odd, &out->first);
+  unpack(all.even, all.odd, &out->all);
+  ByteVector u, v;
+  std::memcpy(&u, even, sizeof u);
+  std::memcpy(&v, odd, sizeof v);
+  unpack((all.even > u) & 1, (all.odd > v) & 1, &out->is_enough);
+}
+
+/// @return  whether the chunk is found
 static PBP_INLINE bool sumOne(const std::uint8_t* base, const Offsets& offsets,
                               const PruningThresholds& thresholds, int column,
-                              VoteScan::Chunks* out) {
+                              std::array<VoteScan::Chunk, 2>* out) {
   const int third = offsets.count / 3;
   ChunkSums sums;
   addPoints(base, offsets.begin, third, &sums);
-  if (!anyAbove(sums, thresholds.firstFrom(column), thresholds.firstFrom(column + 1))) return false;
+  if (!goesOn(sums, thresholds, column)) return false;
   const ChunkSums first = sums;
   addPoints(base, offsets.begin + third, offsets.count - third, &sums);
-  if (!anyAbove(sums, thresholds.bestFrom(column), thresholds.bestFrom(column + 1))) return false;
-  out->count = kChunk;
-  unpack(first, out->first.data());
-  unpack(sums, out->all.data());
-  return true;
+  find(first, sums, thresholds, column, &(*out)[0]);
+  (*out)[1].is_found = false;
+  return (*out)[0].is_found;
 }
 
 /// The same of two side by side.
 static PBP_INLINE bool sumTwo(const std::uint8_t* base, const Offsets& offsets,
                               const PruningThresholds& thresholds, int column,
-                              VoteScan::Chunks* out) {
+                              std::array<VoteScan::Chunk, 2>* out) {
   const int third = offsets.count / 3, next = column + kChunk;
   ChunkSums left, right;
   addPoints(base, offsets.begin, third, &left, &right);
-  const bool left_goes_on =
-      anyAbove(left, thresholds.firstFrom(column), thresholds.firstFrom(column + 1));
-  const bool right_goes_on =
-      anyAbove(right, thresholds.firstFrom(next), thresholds.firstFrom(next + 1));
+  const bool left_goes_on = goesOn(left, thresholds, column);
+  const bool right_goes_on = goesOn(right, thresholds, next);
   if (!left_goes_on && !right_goes_on) return false;
   const ChunkSums left_first = left, right_first = right;
   addPoints(base, offsets.begin + third, offsets.count - third, &left, &right);
-  if (!anyAbove(left, thresholds.bestFrom(column), thresholds.bestFrom(column + 1)) &&
-      !anyAbove(right, thresholds.bestFrom(next), thresholds.bestFrom(next + 1)))
-    return false;
-  out->count = 2 * kChunk;
-  unpack(left_first, out->first.data());
-  unpack(left, out->all.data());
-  unpack(right_first, out->first.data() + kChunk);
-  unpack(right, out->all.data() + kChunk);
-  return true;
+  (*out)[0].is_found = (*out)[1].is_found = false;
+  if (left_goes_on) find(left_first, left, thresholds, column, &(*out)[0]);
+  if (right_goes_on) find(right_first, right, thresholds, next, &(*out)[1]);
+  return (*out)[0].is_found || (*out)[1].is_found;
 }
 
 /// From chunk to chunk, row after row, each time two where the row has as many.
@@ -224,8 +269,8 @@ static bool findAbove(const VotePlanes& planes, const Offsets& offsets, const Ra
           planes.votes.data() + ((static_cast<std::size_t>(*row) * planes.pitch + here) >> 1);
       const bool two = range.col1 - here > kChunk;
       *col += two ? 2 * kChunk : kChunk;
-      if (two ? sumTwo(base, offsets, thresholds, here, out)
-              : sumOne(base, offsets, thresholds, here, out)) {
+      if (two ? sumTwo(base, offsets, thresholds, here, &out->chunks)
+              : sumOne(base, offsets, thresholds, here, &out->chunks)) {
         out->row = *row;
         out->col = here;
         return true;

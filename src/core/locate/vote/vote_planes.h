@@ -101,14 +101,18 @@ class VoteScan {
   VoteScan(const VotePlanes& planes, const Offsets& offsets, const Range& range)
       : planes_(planes), offsets_(offsets), range_(range), row_(range.row0), col_(range.col0) {}
 
-  /// One chunk, or two side by side.
-  struct Chunks {
-    int row, col, count;                              // count of columns
-    std::array<std::uint8_t, 2 * kChunk> first, all;  // by column: votes of a third, and of all
+  /// By column: votes after the first third and after all, and what of these is enough.
+  struct Chunk {
+    bool is_found = false;  ///< some come near after the first third, and some are enough; else ...
+    std::array<std::uint8_t, kChunk> first, all, is_enough;  ///< ... these are not set
   };
-  /// The next chunks with a centre that exceeds its threshold.
-  /// @return  false where there are no more; nor are there chunks of which no centre comes near
-  ///          after the first third
+  /// Side by side.
+  struct Chunks {
+    int row, col;
+    std::array<Chunk, 2> chunks;
+  };
+  /// The next chunks of which one is found.
+  /// @return  false where there are no more
   bool next(const PruningThresholds& thresholds, Chunks* out);
 
  private:

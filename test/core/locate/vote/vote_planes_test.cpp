@@ -65,14 +65,14 @@ TEST(VotePlanes, AScanFindsTheChunksThatPlainSumsFind) {
     VoteScan::Chunks found;
     int expected = 0, winners = 0;
     while (scan.next(thresholds, &found)) {
-      for (int i = 0; i < found.count; ++i) {
-        const int col = found.col + i;
-        if (col >= range.col1) break;
-        ASSERT_EQ(found.all[i], votesOf(planes, points, points.size(), found.row, col)) << col;
-        ASSERT_EQ(found.first[i], votesOf(planes, points, third, found.row, col)) << col;
-        winners += found.all[i] > thresholds.best(col) &&
-                   thresholds.anyGoesOn(&found.first[i / kChunk * kChunk],
-                                        found.col + i / kChunk * kChunk);
+      for (int i = 0; i < 2 * kChunk; ++i) {
+        const VoteScan::Chunk& chunk = found.chunks[i / kChunk];
+        const int col = found.col + i, at = i % kChunk;
+        if (!chunk.is_found || col >= range.col1) continue;
+        ASSERT_EQ(chunk.all[at], votesOf(planes, points, points.size(), found.row, col)) << col;
+        ASSERT_EQ(chunk.first[at], votesOf(planes, points, third, found.row, col)) << col;
+        ASSERT_EQ(chunk.is_enough[at] != 0, chunk.all[at] > thresholds.best(col)) << col;
+        winners += chunk.is_enough[at];
       }
     }
     for (int row = range.row0; row < range.row1; ++row) {
