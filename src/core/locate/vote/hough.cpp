@@ -4,8 +4,8 @@
 
 #include "base/parallel.h"
 #include "base/plane_pose.h"
+#include "locate/vote/raster_points.h"
 #include "locate/vote/vote_planes.h"
-#include "part/outline_view.h"
 #include "part/part_extent.h"
 
 #include <algorithm>
@@ -124,17 +124,6 @@ std::vector<View> makeViews(const ViewGrid& grid, double distance_min) {
   return out;
 }
 
-/// Samples of the outline, prints left out: those tell the face later (print_evidence.h).
-std::vector<OutlinePoint> rasterPoints(const PartModel& part, int count) {
-  constexpr int kStride = 37;  // spreads them so that the first few already stand for the whole
-  if (count % kStride == 0) --count;
-  const std::vector<int> indices = shapeIndices(part, count);
-  const std::size_t n = indices.size();
-  std::vector<OutlinePoint> out;
-  for (std::size_t i = 0; i < n; ++i) out.push_back(part.outline()[indices[i * kStride % n]]);
-  return out;
-}
-
 /// The raster points of all views as offsets into the planes, in one block: some thousand small
 /// ones would cost the heap as much again.
 struct Layouts {
@@ -168,30 +157,21 @@ void checkMemory(const PartModel& part, const HoughParams& params, double views,
 }
 
 /// @param offset  of the view's first raster point; there is room for all
-Range layOut(const std::vector<OutlinePoint>& points, const PartModel& part, const Field& field,
-             const VotePlanes& planes, const View& view, std::int32_t* offset) {
+Range layOut(const RasterPoints& points, const Field& field, const VotePlanes& planes,
+             const View& view, std::int32_t* offset) {
   const Eigen::Matrix2d A = view.affine();
   const Eigen::Matrix2d to_half = A * (field.focal / planes.half);
   const Eigen::Matrix2d to_normal = A.inverse().transpose();
-  Eigen::AlignedBox2d box;
-  std::int32_t* to = offset;
-  for (const auto& p : points) {
-    const Eigen::Vector2d q = to_half * (p.position - part.center());
-    const Eigen::Vector2d n = to_normal * p.normal;
-    box.extend(q);
-    *to++ = static_cast<std::int32_t>(planes.offset(directionBin(n.x(), n.y()),
-                                                    static_cast<int>(std::floor(q.x() + 0.5)),
-                                                    static_cast<int>(std::floor(q.y() + 0.5))));
-  }
+  const Eigen::AlignedBox2d box = placePoints(points, to_half, to_normal, planes, offset);
   Range out;
   const Eigen::Vector2d lo = 0.5 * kInViewShare * box.min(), hi = 0.5 * kInViewShare * box.max();
   out.col0 = std::max(0, static_cast<int>(std::ceil(-lo.x())));
   out.row0 = std::max(0, static_cast<int>(std::ceil(-lo.y())));
   out.col1 = std::min(planes.cols, static_cast<int>(std::floor(planes.cols - hi.x())));
   out.row1 = std::min(planes.rows, static_cast<int>(std::floor(planes.rows - hi.y())));
-  for (; offset != to; ++offset)
-    *offset = static_cast<std::int32_t>(
-        planes.byteOf((out.col0 & 1) + static_cast<std::size_t>(*offset)));
+  const std::size_t odd = out.col0 & 1;
+  for (int i = 0; i < points.count; ++i)
+    offset[i] = static_cast<std::int32_t>(planes.byteOf(odd + static_cast<std::size_t>(offset[i])));
   return out;
 }
 
@@ -362,18 +342,18 @@ std::vector<Candidate> findCandidates(const EdgeMap& edges, const HoughTask& tas
   const double half =
       std::max(kHalfCellLeast, 0.5 * radius_px / distance / (finer * params.radius_cells));
   VotePlanes planes = sizePlanes(field, half, radius_px / task.distance_min);
-  const auto points = rasterPoints(*task.part, params.raster_points);
+  const RasterPoints points(*task.part, params.raster_points);
   const ViewGrid grid(task, params, finer);
-  checkMemory(*task.part, params, grid.count(), static_cast<double>(planes.bytes()), points.size());
+  checkMemory(*task.part, params, grid.count(), static_cast<double>(planes.bytes()), points.count);
   fillPlanes(field, params.tolerance_cells * 2 * half, threads, &planes);
   const auto views = makeViews(grid, task.distance_min);
-  Layouts layouts(views.size(), points.size());
+  Layouts layouts(views.size(), points.count);
   parallelFor(static_cast<int>(views.size()), threads, [&](int v) {
     layouts.ranges[v] =
-        layOut(points, *task.part, field, planes, views[v], &layouts.offsets[v * points.size()]);
+        layOut(points, field, planes, views[v], &layouts.offsets[v * layouts.points]);
   });
 
-  const double most = kMaxVote * static_cast<double>(points.size());
+  const double most = kMaxVote * static_cast<double>(points.count);
   // Slender parts lie side by side within one radius; each needs a tile of its own.
   const int tile = std::max(
       1,
