@@ -350,7 +350,7 @@ TEST(Locator, ABinsFloorTellsATiltThatThePictureLeavesOpen) {
   EXPECT_TRUE(lies(flat, 6.0) && !lies(flat, -6.0));
   EXPECT_TRUE(lies(other, -6.0) && !lies(other, 6.0));
   for (const Detection& d : {flat, other})
-    EXPECT_GT(alone.covariance.trace(), 4.0 * d.covariance.trace());
+    EXPECT_GT(alone.covariance.trace(), 2.0 * d.covariance.trace());
 }
 
 /// The scene anew: the ends of the distances, the place by half a cell of the vote, a turn of a

@@ -9,14 +9,15 @@ namespace planar_bin_picking {
 namespace {
 
 /// What the outline says of two tilts: by the mean of the points, and by how far their edges lie
-/// off, of which five tell for themselves, to a twentieth of a pixel.
+/// off, to a twentieth of a pixel, the less the farther both do.
 double outlineLead(const ChosenPose& chosen) {
   const PoseHypothesis &pose = chosen.pose, &other = *chosen.other_tilt;
   const auto residual = [](const PoseHypothesis& p) {
     return std::hypot(0.05, p.image.residual_px);
   };
+  const double least = std::min(residual(pose), residual(other)) / 0.4;
   return (pose.inlier_score - other.inlier_score) / 0.05 +
-         5.0 * std::log(residual(other) / residual(pose));
+         10.0 * std::log(residual(other) / residual(pose)) / (1.0 + least * least);
 }
 
 TEST(OtherTilt, TheOutlineTellsWhichIsRight) {
