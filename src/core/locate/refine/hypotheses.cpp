@@ -54,7 +54,7 @@ constexpr double kOnePlace = 0.5;
 constexpr double kFloorSigma = 0.02, kFloorParts = 2.0;
 /// What is decided of the others tells more of each.
 constexpr int kTiltRounds = 3;
-constexpr int kRivalRounds = 3;
+constexpr int kRivalRounds = 3;          // of near-symmetries, which end where none is better
 constexpr std::size_t kMostAligned = 8;  // near-symmetries of one pose, the best in the field: time
 constexpr std::size_t kEnoughPoints = 64;  // to compare two poses by: time
 
