@@ -94,9 +94,8 @@ std::vector<PoseHypothesis> otherTilts(const Aligner& aligner, const RefineParam
   const PartOutline& outline = aligner.outlineOf(pose);
   const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, pose.face);
   const Eigen::Isometry3d T = pose.T_camera_part * T_part_centre;
-  const Eigen::Vector3d sight = T.translation().normalized();
-  const double towards = T.linear().col(2).dot(sight) < 0.0 ? -1.0 : 1.0;
-  const Eigen::Vector3d seen = towards * (T.linear().transpose() * sight);  // centre frame
+  // The line of sight in the centre frame.
+  const Eigen::Vector3d seen = T.linear().transpose() * T.translation().normalized();
   std::vector<PoseHypothesis> out;
   for (const Eigen::Matrix2d& turned : outline.other_tilts) {
     Eigen::Vector3d as_seen = seen;
