@@ -34,7 +34,7 @@ inline constexpr double kWallFarthest = 0.1;  // metres
 
 /// What the order looks at of a part.
 struct PickPlace {
-  double rank = 0.0;  ///< confirmed * visible share^2, less where something lies on the part
+  double rank = 0.0;  ///< confirmed * visible share^2, less where it may be held down
   Eigen::Vector3d center_target = Eigen::Vector3d::Zero();
   double height = 0.0;         ///< metres
   double wall_distance = 0.0;  ///< metres; 0 without a bin

@@ -5,11 +5,14 @@
 /// Detections -> what the robot is offered, in which order, and why the rest is refused.
 ///
 /// An instance at which a pick failed is not offered first again until the scene around it has
-/// changed, or the robot would try the same in vain for ever: a small picture of its surroundings
-/// is kept with each failure and held against the new image. Frame `target` is that of the answers.
+/// changed, or the robot would try the same in vain for ever (pick_failures.h). One that has moved
+/// since is another instance; but where the robot dragged it aside, what held it down, or what is
+/// wrong of its pose, is often so still: it has fewer points. Frame `target` is that of the
+/// answers.
 
 #include "planar_bin_picking/base/types.h"
 #include "planar_bin_picking/part/part_file.h"
+#include "planar_bin_picking/pick/pick_failures.h"
 #include "planar_bin_picking/pick/pick_order.h"
 #include "planar_bin_picking/pick/surroundings.h"
 #include "planar_bin_picking/pick/tool_room.h"
@@ -137,7 +140,8 @@ struct PickPlan {
     int failures = 0;
   };
   /// By PickParams::order, or else as given, but for those on which something lies, as the picture
-  /// shows or the other parts' poses; what failed before comes last.
+  /// shows or the other parts' poses, and those that have moved since a pick failed; what failed
+  /// where it is comes last.
   std::vector<Offer> offers;
   std::vector<Refused> refused;  ///< as given; those beyond the number asked for at the end
 };
@@ -174,15 +178,6 @@ class PickPolicy {
   const std::vector<ToolBody>& bodies() const { return bodies_; }
 
  private:
-  struct Failure {
-    std::string part;
-    Eigen::Vector3d center;
-    Surroundings surroundings;
-    int count;
-  };
-  Failure* find(const PickCandidate& candidate);
-  /// How often picks failed there in the scene as it is; forgets them where it has changed.
-  int recall(const PickCandidate& candidate);
   /// Leaves out picks at which the tool would touch the bin, what covers the part, or others.
   /// @return  why none is left, if so
   std::optional<Refused> dropBarred(const std::vector<PickCandidate>& candidates,
@@ -205,7 +200,7 @@ class PickPolicy {
 
   PickParams params_;
   std::vector<ToolBody> bodies_;
-  std::vector<Failure> failures_;
+  PickFailures failures_;
 };
 
 /// Of the face's normal, about the worst axis in the face, rad.

@@ -136,6 +136,8 @@ struct RangeCheck {
 // thin plates every fifth pick fails, of those that lie free not one in a hundred. The shares that
 // are told visible are known to some 0.02.
 constexpr double kFree = 0.97, kCarries = 0.9;
+// What made a pick fail is often so still where the part was dragged aside.
+constexpr double kDragged = 0.9;
 
 /// What the order looks at.
 PickPlace placeOf(const PickCandidate& candidate, const double visible,
@@ -153,6 +155,11 @@ PickPlace placeOf(const PickCandidate& candidate, const double visible,
   place.turn = std::atan2(from_middle.x(), from_middle.y()) / (2.0 * EIGEN_PI);
   if (place.turn < 0.0) place.turn += 1.0;
   return place;
+}
+
+PickInstance instanceOf(const PickCandidate& candidate) {
+  return {candidate.part, candidate.center, candidate.model ? candidate.model->radius() : 0.0,
+          candidate.surroundings};
 }
 
 /// Adds to each face's covered cells those over which another of the parts lies.
@@ -199,29 +206,12 @@ void PickPolicy::use(const PickParams& params) {
   PickParams::fields(params, RangeCheck{});
   bodies_ = toolBodies(params.tool_boxes, params.tool_cylinders);
   params_ = params;
-}
-
-PickPolicy::Failure* PickPolicy::find(const PickCandidate& candidate) {
-  for (Failure& failure : failures_) {
-    if (failure.part == candidate.part &&
-        (failure.center - candidate.center).norm() <= params_.same_place)
-      return &failure;
-  }
-  return nullptr;
+  failures_.use(params.same_place, params.changed_grey);
 }
 
 PickTool PickPolicy::toolOf(const PickCandidate& candidate) const {
   return {candidate.tool.radius.value_or(params_.tool_radius),
           candidate.tool.height.value_or(params_.tool_height)};
-}
-
-int PickPolicy::recall(const PickCandidate& candidate) {
-  Failure* const failure = find(candidate);
-  if (failure == nullptr) return 0;
-  if (difference(failure->surroundings, candidate.surroundings) <= params_.changed_grey)
-    return failure->count;
-  failures_.erase(failures_.begin() + (failure - failures_.data()));
-  return 0;
 }
 
 std::optional<PickPolicy::Bar> PickPolicy::barAt(const std::vector<PickCandidate>& candidates,
@@ -321,13 +311,19 @@ PickPlan PickPolicy::plan(std::vector<PickCandidate> candidates, const std::opti
   PickPlan plan;
   const std::vector<double> visible = coverByOthers(&candidates);
   std::vector<PickPlace> places;
+  std::vector<PickInstance> instances;
   bool as_given = true;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     places.push_back(placeOf(candidates[i], visible[i], bin));
     as_given = as_given && visible[i] == candidates[i].visible_fraction && visible[i] >= kFree;
+    instances.push_back(instanceOf(candidates[i]));
+  }
+  for (const std::size_t i : failures_.moved(instances)) {
+    places[i].rank *= kDragged;
+    as_given = false;
   }
   for (const std::size_t i : ordered(places, params_.order, as_given)) {
-    PickPlan::Offer offer{i, {}, recall(candidates[i])};
+    PickPlan::Offer offer{i, {}, failures_.recall(instances[i])};
     const auto barred = dropBarred(candidates, bin, &offer);
     const auto refused = refusal(candidates[i], bin, offer, barred);
     if (refused) {
@@ -352,18 +348,10 @@ PickPlan PickPolicy::plan(std::vector<PickCandidate> candidates, const std::opti
   return plan;
 }
 
-void PickPolicy::fail(const PickCandidate& candidate) {
-  if (Failure* const known = find(candidate)) {
-    ++known->count;
-    known->surroundings = candidate.surroundings;
-    return;
-  }
-  failures_.push_back({candidate.part, candidate.center, candidate.surroundings, 1});
-}
+void PickPolicy::fail(const PickCandidate& candidate) { failures_.add(instanceOf(candidate)); }
 
 void PickPolicy::succeed(const PickCandidate& candidate) {
-  if (const Failure* const known = find(candidate))
-    failures_.erase(failures_.begin() + (known - failures_.data()));
+  failures_.remove(instanceOf(candidate));
 }
 
 double tiltSigma(const Matrix6d& covariance) {
