@@ -24,7 +24,8 @@ std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& po
                                            double distance, double score_min,
                                            const PoseLimits& limits);
 
-/// Indices, in order, of those that no clearly better pose of the same place outscores.
+/// Indices, in order, of those that no clearly better pose outscores that is seen, by more than
+/// half of either, where they are: at most one of them is answered, whatever parts they are of.
 std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& poses,
                                           const std::vector<PartOutline>& outlines);
 

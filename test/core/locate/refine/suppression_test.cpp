@@ -17,10 +17,9 @@ using Indices = std::vector<std::size_t>;
 constexpr double kDistance = 0.02, kScoreMin = 0.4;
 constexpr int kMany = 100;
 
-PartOutline outlineOf(const std::shared_ptr<const PartModel>& part, double grain = 0.02) {
+PartOutline outlineOf(const std::shared_ptr<const PartModel>& part) {
   PartOutline outline;
   outline.part = part.get();
-  outline.grain = grain;
   return outline;
 }
 
@@ -124,9 +123,6 @@ TEST_F(Suppression, PosesThatASymmetryMakesEqualAreOne) {
   EXPECT_EQ(withoutDuplicates(poses), (Indices{0, 2}));
 }
 
-/// kSamePlace of suppression.cpp, of the grain in outlineOf().
-constexpr double kReach_mm = 7.0;
-
 TEST_F(Suppression, OutscoredIsOnlyByAClearLead) {
   EXPECT_EQ(withoutOutscored({poseAt(0, 0.70), poseAt(1, 0.83)}), Indices{1});
   EXPECT_EQ(withoutOutscored({poseAt(0, 0.70), poseAt(1, 0.81)}), (Indices{0, 1}));
@@ -137,44 +133,54 @@ TEST_F(Suppression, TheLeadMustBeMoreThanTheMargin) {
   EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), poseAt(1, 0.5 + 0.12)}), (Indices{0, 1}));
 }
 
-TEST_F(Suppression, OutscoredIsOnlyAtTheSamePlace) {
-  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), poseAt(0.95 * kReach_mm, 0.9)}), Indices{1});
-  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), poseAt(1.05 * kReach_mm, 0.9)}), (Indices{0, 1}));
+TEST_F(Suppression, OutscoredIsOnlyWhereMoreThanHalfIsCommon) {
+  // Squares of 60 mm, at the same distance.
+  std::vector<PoseHypothesis> near = {poseAt(0, 0.5), poseAt(27, 0.9)};
+  std::vector<PoseHypothesis> far = {poseAt(0, 0.5), poseAt(33, 0.9)};
+  for (auto* poses : {&near, &far})
+    for (PoseHypothesis& pose : *poses) pose.part = 1;
+  EXPECT_EQ(withoutOutscored(near), Indices{1});
+  EXPECT_EQ(withoutOutscored(far), (Indices{0, 1}));
 }
 
-TEST_F(Suppression, ThePlaceIsThatOfTheOutlinesCentre) {
-  // The bracket's origin lies off its centre (7, -4): turned about the origin, the centre moves by
-  // 16 mm; turned about the centre, it stays and the origin moves as far.
-  const PoseHypothesis still = poseAt(0, 0.5);
-  EXPECT_EQ(withoutOutscored({still, poseAt(0, 0.9, 180.0)}), (Indices{0, 1}));
-  PoseHypothesis about_centre = poseAt(14, 0.9, 180.0);
-  about_centre.T_camera_part.translation().y() += 8e-3;
-  EXPECT_EQ(withoutOutscored({still, about_centre}), Indices{1});
+TEST_F(Suppression, TheCommonShareIsThatOfEitherFace) {
+  // Half as far away on the same ray a square is seen twice as large, so a quarter of it is common,
+  // and all of the other.
+  std::vector<PoseHypothesis> poses = {poseAt(0, 0.5), poseAt(0, 0.5)};
+  poses[0].part = poses[1].part = 1;
+  poses[1].T_camera_part.translation() *= 0.5;
+  for (const std::size_t better : {0, 1}) {
+    poses[better].inlier_score = 0.9;
+    EXPECT_EQ(withoutOutscored(poses), Indices{better});
+    poses[better].inlier_score = 0.5;
+  }
 }
 
-TEST_F(Suppression, ThePlaceIsAcrossTheLineOfSight) {
-  // Twice as far away on the same ray: a copy of another size at the same place in the picture.
-  PoseHypothesis far = poseAt(0, 0.9);
-  const Eigen::Vector3d centre = far.T_camera_part * centreOf(*bracket_, far.face).translation();
-  far.T_camera_part.translation() += centre;
-  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), far}), Indices{1});
-  // Beside the ray, the grain is seen at the distance of the pose that would go.
-  PoseHypothesis beside = far;
-  beside.T_camera_part.translation().x() += 1.8e-3 * kReach_mm;
-  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), beside}), Indices{1});
-  beside.inlier_score = 0.5;
-  EXPECT_EQ(withoutOutscored({poseAt(0, 0.9), beside}), (Indices{0, 1}));
-}
-
-TEST_F(Suppression, AnotherPartOutscoresNone) {
+TEST_F(Suppression, AnotherPartOutscoresAsWell) {
   std::vector<PoseHypothesis> poses = {poseAt(0, 0.5), poseAt(0, 0.9)};
   poses[1].part = 1;
-  EXPECT_EQ(withoutOutscored(poses), (Indices{0, 1}));
+  EXPECT_EQ(withoutOutscored(poses), Indices{1});
 }
 
-TEST_F(Suppression, TheGrainIsThatOfThePart) {
-  outlines_[0].grain *= 2.0;
-  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), poseAt(1.5 * kReach_mm, 0.9)}), Indices{1});
+TEST_F(Suppression, WhatIsOutscoredOutscoresNone) {
+  // Each of three squares covers three fifths of the next one; the outer two have a fifth in
+  // common.
+  std::vector<PoseHypothesis> poses = {poseAt(0, 0.95), poseAt(24, 0.8), poseAt(48, 0.6)};
+  for (PoseHypothesis& pose : poses) pose.part = 1;
+  EXPECT_EQ(withoutOutscored(poses), (Indices{0, 2}));
+}
+
+TEST_F(Suppression, TheFaceIsSeenAsItIsTilted) {
+  // Squares of 60 mm, 40 mm apart: seen at 60 degrees each is half as wide.
+  const auto tilted = [](double x_mm, double score) {
+    PoseHypothesis pose;
+    pose.part = 1;
+    pose.T_camera_part = sim::poseOf({x_mm, 0, 600, 0, 0, 60, true});
+    pose.inlier_score = score;
+    return pose;
+  };
+  EXPECT_EQ(withoutOutscored({tilted(0, 0.5), tilted(10, 0.9)}), Indices{1});
+  EXPECT_EQ(withoutOutscored({tilted(0, 0.5), tilted(40, 0.9)}), (Indices{0, 1}));
 }
 
 TEST_F(Suppression, TheOutscoredKeepTheirOrder) {
