@@ -50,6 +50,12 @@ double ownChange(const FaceGrid& grid, const cv::Mat_<float>& change) {
   return median(std::move(own));
 }
 
+bool isInside(const cv::Mat& image, const Eigen::Vector2f& pixel) {
+  return pixel.x() >= 0.0f && pixel.y() >= 0.0f &&
+         pixel.x() <= static_cast<float>(image.cols - 1) &&
+         pixel.y() <= static_cast<float>(image.rows - 1);
+}
+
 /// Mean of a few samples.
 double levelAbout(const cv::Mat_<std::uint8_t>& flat, const Eigen::Vector2d& sample) {
   const cv::Rect about(static_cast<int>(sample.x()) - kHalf, static_cast<int>(sample.y()) - kHalf,
@@ -60,8 +66,8 @@ double levelAbout(const cv::Mat_<std::uint8_t>& flat, const Eigen::Vector2d& sam
 
 }  // namespace
 
-cv::Mat flatten(const FaceGrid& grid, const cv::Mat& image, const Camera& camera,
-                const Eigen::Isometry3d& T_camera_part, double z) {
+FlatFace flatten(const FaceGrid& grid, const cv::Mat& image, const Camera& camera,
+                 const Eigen::Isometry3d& T_camera_part, double z) {
   std::vector<Eigen::Vector2f> corners;
   for (int row = 0; row <= grid.rows(); ++row)
     for (int col = 0; col <= grid.cols(); ++col)
@@ -81,27 +87,30 @@ cv::Mat flatten(const FaceGrid& grid, const cv::Mat& image, const Camera& camera
   }
   cv::Mat flat;
   cv::remap(image, flat, at, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return flat;
+  FlatFace out(flat);
+  for (std::size_t i = 0; i < grid.cells().size(); ++i)
+    if (!isInside(image, pixelOnFace(camera, T_camera_part, grid.cells()[i], z)))
+      out.outside.push_back(static_cast<int>(i));
+  return out;
 }
 
-cv::Mat_<float> changeOf(const cv::Mat& flat) {
-  cv::Mat_<float> x, y, change;
+FlatFace::FlatFace(const cv::Mat_<std::uint8_t>& levels) : grey(levels) {
+  cv::Mat_<float> x, y;
   constexpr double kUnitRamp = 1.0 / 32.0;  // a ramp of one level per sample answers with 1
-  cv::Scharr(flat, x, CV_32F, 1, 0, kUnitRamp);
-  cv::Scharr(flat, y, CV_32F, 0, 1, kUnitRamp);
+  cv::Scharr(grey, x, CV_32F, 1, 0, kUnitRamp);
+  cv::Scharr(grey, y, CV_32F, 0, 1, kUnitRamp);
   cv::magnitude(x, y, change);
-  return change;
 }
 
-bool hasExtraHole(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
-                  const std::vector<int>& covered, const std::vector<Eigen::Vector2d>& holes) {
+bool hasExtraHole(const FaceGrid& grid, const FlatFace& flat, const std::vector<int>& covered,
+                  const std::vector<Eigen::Vector2d>& holes) {
   if (holes.empty()) return false;
-  const cv::Mat_<float> change = changeOf(flat);
   std::vector<double> through;
   for (const Eigen::Vector2d& hole : holes)
-    through.push_back(levelAbout(flat, (hole - grid.corner(0, 0)) * kSamples / grid.cellSize()));
-  const double clear = std::max(kLeast, kAsClear * ownChange(grid, change));
-  cv::Mat edges = (change > clear) & (openFace(grid, covered) > 0);
+    through.push_back(
+        levelAbout(flat.grey, (hole - grid.corner(0, 0)) * kSamples / grid.cellSize()));
+  const double clear = std::max(kLeast, kAsClear * ownChange(grid, flat.change));
+  cv::Mat edges = (flat.change > clear) & (openFace(grid, covered) > 0);
   std::vector<std::vector<cv::Point>> contours;
   std::vector<cv::Vec4i> family;
   cv::findContours(edges, contours, family, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
@@ -111,20 +120,18 @@ bool hasExtraHole(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
     const cv::RotatedRect about = cv::minAreaRect(contours[i]);
     const double across = std::min(about.size.width, about.size.height);
     if (across < kSmallest || cv::contourArea(contours[i]) < kRound * about.size.area()) continue;
-    const double inside = levelAbout(flat, {about.center.x, about.center.y});
+    const double inside = levelAbout(flat.grey, {about.center.x, about.center.y});
     if (std::abs(inside - median(through)) < kAlike * clear) return true;
   }
   return false;
 }
 
-double foreignEdges(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
-                    const std::vector<int>& covered) {
+double foreignEdges(const FaceGrid& grid, const FlatFace& flat, const std::vector<int>& covered) {
   const cv::Mat open = openFace(grid, covered);
   const int samples = cv::countNonZero(open);
   if (samples < kFewSamples) return 0.0;
-  const cv::Mat_<float> change = changeOf(flat);
-  const double clear = std::max(kLeast, kHalfAsClear * ownChange(grid, change));
-  const cv::Mat edges = (change > clear) & (open > 0);
+  const double clear = std::max(kLeast, kHalfAsClear * ownChange(grid, flat.change));
+  const cv::Mat edges = (flat.change > clear) & (open > 0);
   return static_cast<double>(cv::countNonZero(edges)) / samples;
 }
 

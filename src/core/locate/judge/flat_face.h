@@ -21,28 +21,31 @@ inline Eigen::Vector2f pixelOnFace(const Camera& camera, const Eigen::Isometry3d
 /// Samples about the drawing's lines within which edges are its own.
 inline constexpr float kOwnLines = 3.0f;
 
-/// Grey levels, FaceGrid::kSamples to a cell's side.
-cv::Mat flatten(const FaceGrid& grid, const cv::Mat& image, const Camera& camera,
-                const Eigen::Isometry3d& T_camera_part, double z);
+/// FaceGrid::kSamples to a cell's side.
+struct FlatFace {
+  cv::Mat_<std::uint8_t> grey;  ///< levels
+  cv::Mat_<float> change;       ///< how fast they change, levels per sample
+  std::vector<int> outside;     ///< cells whose middles lie outside the image, in order
 
-/// How fast the brightness of a flattened face changes, grey levels per sample.
-cv::Mat_<float> changeOf(const cv::Mat& flat);
+  explicit FlatFace(const cv::Mat_<std::uint8_t>& levels);
+};
+
+/// @param z  of the face in the part frame
+FlatFace flatten(const FaceGrid& grid, const cv::Mat& image, const Camera& camera,
+                 const Eigen::Isometry3d& T_camera_part, double z);
 
 /// Whether the face shows a closed edge where the drawing has none, as clear as its own, and within
 /// it the same as through the drawn holes: a hole too many. A label, or what lies on the part,
 /// looks otherwise.
-/// @param flat     of flatten
 /// @param covered  cells, in order; what covers the part may have holes of its own
 /// @param holes    middles of the drawn holes, part frame
-bool hasExtraHole(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
-                  const std::vector<int>& covered, const std::vector<Eigen::Vector2d>& holes);
+bool hasExtraHole(const FaceGrid& grid, const FlatFace& flat, const std::vector<int>& covered,
+                  const std::vector<Eigen::Vector2d>& holes);
 
 /// Share of the open face that edges take up which the drawing does not have, 0..1: hardly any on a
 /// smooth part, more on a dirty or textured one, half of it where a pose lies over a heap of other
 /// things. 0 where too little is open to tell.
-/// @param flat     of flatten
 /// @param covered  cells, in order
-double foreignEdges(const FaceGrid& grid, const cv::Mat_<std::uint8_t>& flat,
-                    const std::vector<int>& covered);
+double foreignEdges(const FaceGrid& grid, const FlatFace& flat, const std::vector<int>& covered);
 
 }  // namespace planar_bin_picking

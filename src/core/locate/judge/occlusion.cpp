@@ -49,31 +49,19 @@ double usual(std::vector<double> changes) {
   return std::max(kFaintest, median(std::move(changes)));
 }
 
-bool isInside(const cv::Mat& image, const Eigen::Vector2f& pixel) {
-  return pixel.x() >= 0.0f && pixel.y() >= 0.0f &&
-         pixel.x() <= static_cast<float>(image.cols - 1) &&
-         pixel.y() <= static_cast<float>(image.rows - 1);
-}
-
 }  // namespace
 
-std::vector<int> findOcclusion(const FaceGrid& grid, const EdgeMap& edges, const Camera& camera,
-                               const Eigen::Isometry3d& T_camera_part, double z,
+std::vector<int> findOcclusion(const FaceGrid& grid, const FlatFace& flat,
                                const std::vector<OutlinePiece>& outline) {
-  const auto pixelOf = [&](const Eigen::Vector2d& p) {
-    return pixelOnFace(camera, T_camera_part, p, z);
-  };
-  cv::Mat_<float> change = changeOf(flatten(grid, edges.image, camera, T_camera_part, z));
+  cv::Mat_<float> change = flat.change.clone();
   change.setTo(0.0f, grid.fromOutline() < kOwnLines);
   const auto changes = alongLinks(grid, change);
   const double border = kTexture * usual(changes);
 
   const int n = static_cast<int>(grid.cells().size());
   cv::detail::GCGraph<float> graph(n, static_cast<unsigned>(2 * grid.links().size()));
-  for (int i = 0; i < n; ++i) {
-    graph.addVtx();
-    if (!isInside(edges.image, pixelOf(grid.cells()[i]))) graph.addTermWeights(i, 0.0f, kOutside);
-  }
+  for (int i = 0; i < n; ++i) graph.addVtx();
+  for (const int i : flat.outside) graph.addTermWeights(i, 0.0f, kOutside);
   for (std::size_t i = 0; i < changes.size(); ++i) {
     const double q = changes[i] / border;
     const auto cost = static_cast<float>(std::exp(-q * q));

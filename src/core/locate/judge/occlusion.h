@@ -11,9 +11,7 @@
 /// is missing to the other, and a border between the two costs little where the face's brightness
 /// changes by more than its texture does.
 
-#include "image/edge_map.h"
-#include "planar_bin_picking/image/camera.h"
-#include "planar_bin_picking/part/face_grid.h"
+#include "locate/judge/flat_face.h"
 
 #include <vector>
 
@@ -27,11 +25,9 @@ struct OutlinePiece {
   int loop = 0;  ///< index into Drawing::loops
 };
 
-/// @param z  of the face in the part frame
-/// @return   covered cells in order; what lies outside the image counts as covered
-/// Cost: some 0.2 ms.
-std::vector<int> findOcclusion(const FaceGrid& grid, const EdgeMap& edges, const Camera& camera,
-                               const Eigen::Isometry3d& T_camera_part, double z,
+/// @param flat  of flatten
+/// @return      covered cells in order; what lies outside the image counts as covered
+std::vector<int> findOcclusion(const FaceGrid& grid, const FlatFace& flat,
                                const std::vector<OutlinePiece>& outline);
 
 }  // namespace planar_bin_picking

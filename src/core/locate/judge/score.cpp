@@ -102,12 +102,11 @@ std::vector<LocalPoint> uncovered(const PartModel& part, Face face, const Groups
 }
 
 /// Whether something lies over the hole, as the rest of the outline tells.
-bool isCovered(const PartModel& part, int loop, const EdgeMap& edges, const Camera& camera,
-               const RefinedPose& pose, const std::vector<OutlinePiece>& pieces) {
+bool isCovered(const FaceGrid& grid, int loop, const FlatFace& flat,
+               const std::vector<OutlinePiece>& pieces) {
   constexpr double kMost = 0.3;  // share of the cells around it: less is chance or an edge near it
   std::vector<OutlinePiece> others;
   std::vector<int> around;
-  const FaceGrid& grid = part.faceGrid();
   for (const OutlinePiece& piece : pieces) {
     if (piece.loop != loop) {
       others.push_back(piece);
@@ -116,8 +115,7 @@ bool isCovered(const PartModel& part, int loop, const EdgeMap& edges, const Came
     const int cell = grid.cellNear(piece.position - grid.cellSize() * piece.normal);
     if (cell >= 0) around.push_back(cell);
   }
-  const auto covered =
-      findOcclusion(grid, edges, camera, pose.T_camera_part, part.faceZ(pose.face), others);
+  const auto covered = findOcclusion(grid, flat, others);
   const auto over = std::count_if(around.begin(), around.end(), [&](int cell) {
     return std::binary_search(covered.begin(), covered.end(), cell);
   });
@@ -127,7 +125,7 @@ bool isCovered(const PartModel& part, int loop, const EdgeMap& edges, const Came
 /// How sure it is that a hole is elsewhere or of another size. Then another part lies there,
 /// however well the rest fits.
 double provenWrong(const PartModel& part, const std::vector<Hole>& holes, const EdgeMap& edges,
-                   const Camera& camera, const RefinedPose& pose,
+                   const Camera& camera, const RefinedPose& pose, const FlatFace& flat,
                    const std::vector<OutlinePiece>& pieces) {
   // Lead of a hole elsewhere over the drawn one: half of its rim. In the benchmark's scenes plates
   // that differ by one hole in view have 0.58 and more, right poses at most 0.46.
@@ -141,8 +139,7 @@ double provenWrong(const PartModel& part, const std::vector<Hole>& holes, const 
     const double width_px = px_per_metre * hole.width * std::abs(T.linear()(2, 2));
     const double lead =
         holeEvidence(edges, camera, points, solidOf(part, pose.face), T, width_px).lead;
-    if (lead > std::max(kProof, proof) &&
-        !isCovered(part, hole.loop, edges, camera, pose, pieces)) {
+    if (lead > std::max(kProof, proof) && !isCovered(part.faceGrid(), hole.loop, flat, pieces)) {
       proof = lead;
     }
   }
@@ -150,17 +147,13 @@ double provenWrong(const PartModel& part, const std::vector<Hole>& holes, const 
 }
 
 /// Factor of the score by which edges inside the outline that the drawing does not have lower it.
-double extraHoleFactor(const PartModel& part, const Groups& group, const EdgeMap& edges,
-                       const Camera& camera, const RefinedPose& pose,
+double extraHoleFactor(const FaceGrid& grid, const FlatFace& flat, const Groups& group,
                        const std::vector<int>& covered) {
   // Share of the score; no more, since in a stack the holes of the parts below may look like one
   // too many.
   constexpr double kExtraHole = 0.1;
   // Of their share of the face; no more, since a part may be dirty, textured or labelled.
   constexpr double kForeignEdges = 0.5;
-  const FaceGrid& grid = part.faceGrid();
-  const cv::Mat flat =
-      flatten(grid, edges.image, camera, pose.T_camera_part, part.faceZ(pose.face));
   const double hole = hasExtraHole(grid, flat, covered, group.middles) ? kExtraHole : 0.0;
   return (1.0 - hole) * (1.0 - kForeignEdges * foreignEdges(grid, flat, covered));
 }
@@ -235,8 +228,9 @@ ScoredPose scorePose(const EdgeMap& edges, const Camera& camera, const PartModel
   out.score = probabilityRight(evidence);
   if (out.score < params.threshold) return out;
   const FaceGrid& grid = part.faceGrid();
-  out.covered =
-      findOcclusion(grid, edges, camera, pose.T_camera_part, part.faceZ(pose.face), contour.pieces);
+  const FlatFace flat =
+      flatten(grid, edges.image, camera, pose.T_camera_part, part.faceZ(pose.face));
+  out.covered = findOcclusion(grid, flat, contour.pieces);
   out.visible_fraction =
       1.0 - static_cast<double>(out.covered.size()) / static_cast<double>(grid.cells().size());
   const auto print = uncovered(part, pose.face, group, out.covered);
@@ -248,8 +242,8 @@ ScoredPose scorePose(const EdgeMap& edges, const Camera& camera, const PartModel
   evidence.edges = contour.sum / contour.weights;
   out.score = probabilityRight(evidence);
   if (out.score < params.threshold) return out;
-  evidence.edges *= 1.0 - provenWrong(part, group.holes, edges, camera, pose, contour.pieces);
-  evidence.edges *= extraHoleFactor(part, group, edges, camera, pose, out.covered);
+  evidence.edges *= 1.0 - provenWrong(part, group.holes, edges, camera, pose, flat, contour.pieces);
+  evidence.edges *= extraHoleFactor(grid, flat, group, out.covered);
   out.score = probabilityRight(evidence);
   return out;
 }

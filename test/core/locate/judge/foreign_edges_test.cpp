@@ -31,7 +31,7 @@ class ForeignEdges : public testing::Test {
   }
   const FaceGrid& grid() const { return part_->faceGrid(); }
   double share(const std::vector<int>& covered = {}) const {
-    return foreignEdges(grid(), flat_, covered);
+    return foreignEdges(grid(), FlatFace(flat_), covered);
   }
   /// Upright stripes on the face, `width` samples wide and as far apart.
   void stripe(int width, std::uint8_t grey) {

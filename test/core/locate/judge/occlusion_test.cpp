@@ -38,6 +38,11 @@ std::vector<OutlinePiece> outlineOf(Missing&& missing) {
   return pieces;
 }
 
+std::vector<int> coveredOf(const FaceGrid& grid, const Shot& shot, const Eigen::Isometry3d& T,
+                           const std::vector<OutlinePiece>& outline) {
+  return findOcclusion(grid, flatten(grid, shot.edges.image, shot.camera, T, 0.0), outline);
+}
+
 struct Counts {
   int inside = 0, outside = 0;
 };
@@ -53,8 +58,7 @@ Counts occlusionOf(double x0, double x1, double y0, double y1, double grey, Miss
   const Shot shot = shoot(scene);
   const FaceGrid& grid = part->faceGrid();
   Counts counts;
-  for (const int i :
-       findOcclusion(grid, shot.edges, shot.camera, sim::poseOf(kLie), 0.0, outlineOf(missing))) {
+  for (const int i : coveredOf(grid, shot, sim::poseOf(kLie), outlineOf(missing))) {
     const Eigen::Vector2d p = 1e3 * grid.cells()[i];
     const bool is_inside = p.x() > x0 - 1 && p.x() < x1 + 1 && p.y() > y0 - 1 && p.y() < y1 + 1;
     ++(is_inside ? counts.inside : counts.outside);
@@ -139,8 +143,7 @@ Counts coveredAtBorder(int axis, double outward, double beyond) {
   scene.plates.push_back({plainPlate(), T});
   const Shot shot = shoot(scene);
   Counts counts;
-  for (const int i : findOcclusion(grid, shot.edges, shot.camera, T, 0.0,
-                                   outlineOf([](const auto&) { return false; }))) {
+  for (const int i : coveredOf(grid, shot, T, outlineOf([](const auto&) { return false; }))) {
     const Eigen::Vector3d at = T * Eigen::Vector3d(grid.cells()[i].x(), grid.cells()[i].y(), 0.0);
     const bool is_last = std::abs(at(axis) - middle(axis) - outward * corner(axis)) < 1e-6;
     ++(is_last ? counts.inside : counts.outside);
@@ -197,9 +200,8 @@ TEST(Occlusion, WhatTheImageDoesNotShowCountsAsCovered) {
       (upright ? lie.y_mm : lie.x_mm) =
           side * 600.0 * 0.5 * (upright ? kPinhole.height : kPinhole.width) / kPinhole.fx;
       const Shot shot = shoot(sceneOf(plainPlate(), lie));
-      const auto covered =
-          findOcclusion(part->faceGrid(), shot.edges, shot.camera, sim::poseOf(lie), 0.0,
-                        outlineOf([](const auto&) { return false; }));
+      const auto covered = coveredOf(part->faceGrid(), shot, sim::poseOf(lie),
+                                     outlineOf([](const auto&) { return false; }));
       std::vector<int> outside;
       for (std::size_t i = 0; i < cells.size(); ++i) {
         const Eigen::Vector2d p =
