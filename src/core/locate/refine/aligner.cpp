@@ -21,8 +21,9 @@ constexpr SearchProfile kNarrow{4, true, 0.8};
 /// Tukey's widths, pixels: below the reach, so that what lies at its end weighs little.
 constexpr std::array<double, 2> kNarrowTukey{3.0, 2.0};
 /// The same for the wide alignment and the search: in shares of the reach, and at last the reach of
-/// the narrow alignment, pixels.
-constexpr double kWideTukeyMiddle = 0.7, kWideTukeyLast = 4.0, kSearchTukeyLast = 0.5;
+/// the narrow alignment, pixels. What others follow needs few points.
+constexpr std::array<double, 2> kWideTukey{1.0, 0.7}, kSearchTukey{1.0, 0.5};
+constexpr double kWideTukeyLast = 4.0;
 constexpr double kWideSigma = 1.2;  // pixels: noise counts less than exactness
 /// What the field leaves: this share of the part's radius, and pixels, between these.
 constexpr double kWideShare = 0.03;
@@ -50,6 +51,10 @@ constexpr std::size_t kSlideStarts = 4;
 
 /// An outline is long whose points spread along one axis by more than this times the other.
 constexpr double kLong = 1.5;
+
+std::array<double, 2> timesReach(const std::array<double, 2>& shares, int reach) {
+  return {shares[0] * reach, shares[1] * reach};
+}
 
 /// PartOutline::other_tilts of an outline.
 std::vector<Eigen::Matrix2d> otherTiltsOf(const std::vector<LocalPoint>& points) {
@@ -163,12 +168,15 @@ int Aligner::wideReach(const PoseHypothesis& pose) const {
 
 void Aligner::alignWide(PoseHypothesis* pose) const {
   const PartModel& part = *outlineOf(*pose).part;
-  const auto& points = outlineOf(*pose).of(pose->face).wide;
+  const FaceOutline& outline = outlineOf(*pose).of(pose->face);
+  const Solid solid = solidOf(part, pose->face);
   const int reach = wideReach(*pose);
-  set(steps(points, {reach, false, kWideSigma},
-            std::array<double, 3>{1.0 * reach, kWideTukeyMiddle * reach, kWideTukeyLast},
-            solidOf(part, pose->face), pose->T_camera_part * centreOf(part, pose->face)),
-      points, pose);
+  const SearchProfile profile{reach, false, kWideSigma};
+  const ImagePose near = steps(outline.coarse, profile, timesReach(kWideTukey, reach), solid,
+                               pose->T_camera_part * centreOf(part, pose->face));
+  set(stepInImage(edges_, camera_, outline.wide, solid, near.T_camera_centre, profile,
+                  kWideTukeyLast),
+      outline.wide, pose);
 }
 
 void Aligner::alignNarrow(PoseHypothesis* pose) const {
@@ -223,8 +231,7 @@ void Aligner::searchAround(PoseHypothesis* pose) const {
     PoseHypothesis other = *pose;
     other.T_camera_part = start * T_centre_part;
     const int reach = wideReach(other);
-    set(steps(points, {reach, false, kWideSigma},
-              std::array<double, 2>{1.0 * reach, kSearchTukeyLast * reach}, solid, start),
+    set(steps(points, {reach, false, kWideSigma}, timesReach(kSearchTukey, reach), solid, start),
         points, &other);
     if (other.inlier_score > best.inlier_score) best = other;
   }
