@@ -34,17 +34,11 @@ constexpr double kInlierReachPx = 2.0;
 /// aligned to sub-pixel edges; and field pixels, to compare poses that are.
 constexpr double kFieldInlierReach = 1.5, kFieldCompareReachPx = 2.0;
 
-/// Starts of the search: relative distance, half a step of the vote (hough/distance_step) and a
-/// whole one; turns about the part's x and y, rad: where it lies at 15 to 30 degrees these move its
-/// rim as far.
-constexpr std::array<std::array<double, 3>, 8> kSearch = {{{0.03, 0, 0},
-                                                           {-0.03, 0, 0},
-                                                           {0.06, 0, 0},
-                                                           {0, 0.12, 0},
-                                                           {0, -0.12, 0},
-                                                           {0, 0, 0.12},
-                                                           {0, 0, -0.12},
-                                                           {-0.06, 0, 0}}};
+/// Starts of the search: relative distance, half a step of the vote (hough/distance_step), since
+/// the next step has a candidate of its own; turns about the part's x and y, rad: where it lies at
+/// 15 to 30 degrees these move its rim as far.
+constexpr std::array<std::array<double, 3>, 6> kSearch = {
+    {{0.03, 0, 0}, {-0.03, 0, 0}, {0, 0.12, 0}, {0, -0.12, 0}, {0, 0, 0.12}, {0, 0, -0.12}}};
 
 /// Starts along the slides of an outline and of its turns, the best of all.
 constexpr std::size_t kSlideStarts = 4;
