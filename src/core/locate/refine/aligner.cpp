@@ -185,6 +185,15 @@ void Aligner::alignNarrow(PoseHypothesis* pose) const {
       points, pose);
 }
 
+void Aligner::alignNarrowFromAfar(PoseHypothesis* pose) const {
+  const PartModel& part = *outlineOf(*pose).part;
+  const Eigen::Isometry3d T_part_centre = centreOf(part, pose->face);
+  const ImagePose halfway = steps(outlineOf(*pose).of(pose->face).fine, kNarrow, kNarrowTukey,
+                                  solidOf(part, pose->face), pose->T_camera_part * T_part_centre);
+  pose->T_camera_part = halfway.T_camera_centre * T_part_centre.inverse();
+  alignNarrow(pose);
+}
+
 void Aligner::look(PoseHypothesis* pose) const {
   const PartModel& part = *outlineOf(*pose).part;
   const auto& points = outlineOf(*pose).of(pose->face).fine;

@@ -22,6 +22,8 @@ class Aligner {
   /// narrow reach. No covariance: a narrow alignment follows.
   void alignWide(PoseHypothesis* pose) const;
   void alignNarrow(PoseHypothesis* pose) const;
+  /// Twice: from so far the first time often ends halfway.
+  void alignNarrowFromAfar(PoseHypothesis* pose) const;
   /// What the edges found by a narrow alignment say of the pose where it is.
   void look(PoseHypothesis* pose) const;
   /// Restarts about an aligned pose, since one side of the outline may have been aligned to a

@@ -130,8 +130,7 @@ std::optional<PoseHypothesis> competingTilt(const Aligner& aligner, const Refine
   for (PoseHypothesis& other : otherTilts(aligner, params, pose)) {
     aligner.alignWide(&other);
     if (other.inlier_score < pose.inlier_score - kHopeless) continue;
-    aligner.alignNarrow(&other);
-    aligner.alignNarrow(&other);  // from so far the first one often ends halfway
+    aligner.alignNarrowFromAfar(&other);
     if ((normalOf(other) - normalOf(pose)).norm() > kTiltsAligned) return other;
   }
   return std::nullopt;
