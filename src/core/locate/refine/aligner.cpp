@@ -85,7 +85,7 @@ Aligner::Aligner(const EdgeMap& edges, const Camera& camera, const RefineParams&
     outlines_.push_back({part.get(),
                          grainOf(*part),
                          shapePoints(params.field_points),
-                         localPoints(*part, params.image_points, is_print),
+                         localPoints(*part, params.wide_points, is_print),
                          {face, face},
                          Slides(shapePoints(params.image_points)),
                          otherTiltsOf(shapePoints(params.wide_points))});
