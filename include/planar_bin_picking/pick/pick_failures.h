@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,14 +32,13 @@ class PickFailures {
   void use(double same_place, double changed_grey);
 
   void add(const PickInstance& instance);
-  /// What was picked does not fail again. Failures within its radius may have been its own before
-  /// it was dragged aside.
+  /// What was picked does not fail again, be it where it failed or where it was dragged to.
   void remove(const PickInstance& picked);
 
   /// How often picks failed there in the scene as it is; forgets them where it has changed.
   int recall(const PickInstance& instance);
-  /// Indices of those that lie within their radius of a failure at which none of them is now: the
-  /// robot has dragged them aside, or they have fallen there in place of what failed.
+  /// Indices, ascending, of those that have moved since a pick failed, as a robot drags aside what
+  /// it cannot hold: of each failure at which none of them is now, the nearest within its radius.
   /// @param instances  all that was seen
   /// Cost: O(instances * failures).
   std::vector<std::size_t> moved(const std::vector<PickInstance>& instances);
@@ -49,9 +49,10 @@ class PickFailures {
     Eigen::Vector3d center;
     Surroundings surroundings;
     int count;
-    bool has_gone = false;  ///< when last looked for
+    std::optional<Eigen::Vector3d> moved_to;  ///< where it was last seen, if not at its place
   };
-  bool isAt(const Failure& failure, const PickInstance& instance, double reach) const;
+  bool isAt(const Failure& failure, const PickInstance& instance) const;
+  bool hasMovedTo(const Failure& failure, const PickInstance& instance) const;
   std::vector<Failure>::iterator find(const PickInstance& instance);
 
   double same_place_ = 0.0, changed_grey_ = 0.0;

@@ -3,6 +3,7 @@
 #include "planar_bin_picking/pick/pick_failures.h"
 
 #include <algorithm>
+#include <set>
 
 namespace planar_bin_picking {
 
@@ -11,28 +12,36 @@ void PickFailures::use(double same_place, double changed_grey) {
   changed_grey_ = changed_grey;
 }
 
-bool PickFailures::isAt(const Failure& failure, const PickInstance& instance, double reach) const {
-  return failure.part == instance.part && (failure.center - instance.center).norm() <= reach;
+bool PickFailures::isAt(const Failure& failure, const PickInstance& instance) const {
+  return failure.part == instance.part && (failure.center - instance.center).norm() <= same_place_;
+}
+
+bool PickFailures::hasMovedTo(const Failure& failure, const PickInstance& instance) const {
+  return failure.part == instance.part && failure.moved_to &&
+         (*failure.moved_to - instance.center).norm() <= same_place_;
 }
 
 auto PickFailures::find(const PickInstance& instance) -> std::vector<Failure>::iterator {
   return std::find_if(failures_.begin(), failures_.end(),
-                      [&](const Failure& f) { return isAt(f, instance, same_place_); });
+                      [&](const Failure& f) { return isAt(f, instance); });
 }
 
 void PickFailures::add(const PickInstance& instance) {
   const auto known = find(instance);
-  if (known == failures_.end()) {
-    failures_.push_back({instance.part, instance.center, instance.surroundings, 1, false});
+  if (known != failures_.end()) {
+    ++known->count;
+    known->surroundings = instance.surroundings;
     return;
   }
-  ++known->count;
-  known->surroundings = instance.surroundings;
+  failures_.erase(std::remove_if(failures_.begin(), failures_.end(),
+                                 [&](const Failure& f) { return hasMovedTo(f, instance); }),
+                  failures_.end());
+  failures_.push_back({instance.part, instance.center, instance.surroundings, 1, {}});
 }
 
 void PickFailures::remove(const PickInstance& picked) {
   const auto was_its_own = [&](const Failure& f) {
-    return isAt(f, picked, same_place_) || (f.has_gone && isAt(f, picked, picked.radius));
+    return isAt(f, picked) || hasMovedTo(f, picked);
   };
   failures_.erase(std::remove_if(failures_.begin(), failures_.end(), was_its_own), failures_.end());
 }
@@ -46,18 +55,26 @@ int PickFailures::recall(const PickInstance& instance) {
 }
 
 std::vector<std::size_t> PickFailures::moved(const std::vector<PickInstance>& instances) {
-  std::vector<bool> has_moved(instances.size(), false);
+  std::set<std::size_t> out;
   for (Failure& failure : failures_) {
-    failure.has_gone = std::none_of(instances.begin(), instances.end(), [&](const PickInstance& i) {
-      return isAt(failure, i, same_place_);
-    });
-    for (std::size_t i = 0; i < instances.size() && failure.has_gone; ++i)
-      has_moved[i] = has_moved[i] || isAt(failure, instances[i], instances[i].radius);
+    failure.moved_to.reset();
+    if (std::any_of(instances.begin(), instances.end(),
+                    [&](const PickInstance& i) { return isAt(failure, i); }))
+      continue;
+    std::optional<std::size_t> nearest;
+    double least = 0.0;
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      const double off = (instances[i].center - failure.center).norm();
+      if (instances[i].part != failure.part || off > instances[i].radius) continue;
+      if (nearest && off >= least) continue;
+      nearest = i;
+      least = off;
+    }
+    if (!nearest) continue;
+    failure.moved_to = instances[*nearest].center;
+    out.insert(*nearest);
   }
-  std::vector<std::size_t> out;
-  for (std::size_t i = 0; i < has_moved.size(); ++i)
-    if (has_moved[i]) out.push_back(i);
-  return out;
+  return {out.begin(), out.end()};
 }
 
 }  // namespace planar_bin_picking

@@ -46,7 +46,20 @@ TEST_F(PickFailuresTest, CountsWhatFailsAtOnePlace) {
 TEST_F(PickFailuresTest, WhatWasDraggedAsideHasMoved) {
   failures_.add(Lying(0.0).instance());
   EXPECT_EQ(moved({Lying(0.1), Lying(0.008)}), Indices({1}));
-  EXPECT_EQ(moved({Lying(0.029), Lying(0.031)}), Indices({0}));
+  EXPECT_EQ(moved({Lying(0.029)}), Indices({0}));
+  EXPECT_EQ(moved({Lying(0.031)}), Indices());
+}
+
+TEST_F(PickFailuresTest, TheNearestIsWhatMoved) {
+  failures_.add(Lying(0.0).instance());
+  EXPECT_EQ(moved({Lying(0.02), Lying(-0.008), Lying(0.009)}), Indices({1}));
+}
+
+TEST_F(PickFailuresTest, EachFailureHasItsOwn) {
+  failures_.add(Lying(0.1).instance());
+  failures_.add(Lying(0.0).instance());
+  EXPECT_EQ(moved({Lying(0.008), Lying(0.2), Lying(0.108)}), Indices({0, 2}));
+  EXPECT_EQ(moved({Lying(0.0), Lying(0.108)}), Indices({1}));
 }
 
 TEST_F(PickFailuresTest, NeighboursOfWhatFailedAndLiesThereStillHaveNot) {
@@ -61,20 +74,24 @@ TEST_F(PickFailuresTest, OtherPartsHaveNotMoved) {
   EXPECT_EQ(moved({other}), Indices());
 }
 
-TEST_F(PickFailuresTest, APickAfterwardsEndsItAll) {
+TEST_F(PickFailuresTest, APickAfterwardsEndsIt) {
   failures_.add(Lying(0.0).instance());
+  ASSERT_EQ(moved({Lying(0.008)}), Indices({0}));
   failures_.add(Lying(0.008).instance());  // dragged aside, failed once more
   ASSERT_EQ(moved({Lying(0.016)}), Indices({0}));
   failures_.remove(Lying(0.016).instance());
-  EXPECT_EQ(moved({Lying(0.01)}), Indices());
+  EXPECT_EQ(moved({Lying(0.01), Lying(0.002)}), Indices());
   EXPECT_EQ(failures_.recall(Lying(0.0).instance()), 0);
 }
 
-TEST_F(PickFailuresTest, APickBesideWhatFailedAndLiesThereStillDoesNot) {
+TEST_F(PickFailuresTest, APickOfANeighbourDoesNot) {
   failures_.add(Lying(0.0).instance());
   moved({Lying(0.0), Lying(0.02)});
   failures_.remove(Lying(0.02).instance());
   EXPECT_EQ(failures_.recall(Lying(0.0).instance()), 1);
+  ASSERT_EQ(moved({Lying(0.008), Lying(0.02)}), Indices({0}));
+  failures_.remove(Lying(0.02).instance());
+  EXPECT_EQ(moved({Lying(0.008)}), Indices({0}));
 }
 
 TEST_F(PickFailuresTest, AChangedSceneIsAnother) {

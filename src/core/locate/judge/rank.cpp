@@ -26,13 +26,14 @@ constexpr double kOwnScore = 0.3;
 
 /// Coarse mask of a posed part in the ideal image plane.
 struct Mask {
+  std::size_t part;
   Eigen::AlignedBox2d box;
   std::vector<Eigen::Vector2d> outer;
   std::vector<Eigen::Vector2d> within;  // points of a grid
 };
 
 Mask maskOf(const PartModel& part, const ScoredPose& pose) {
-  Mask mask;
+  Mask mask{pose.part, {}, {}, {}};
   const double z = part.faceZ(pose.face);
   for (std::size_t k = 0; k < part.outline().size(); k += kStride) {
     const OutlinePoint& p = part.outline()[k];
@@ -59,6 +60,13 @@ double overlap(const Mask& a, const Mask& b) {
     return b.box.contains(p) && contains(b.outer, p);
   });
   return static_cast<double>(both) / std::max(1.0, static_cast<double>(a.within.size()));
+}
+
+/// Share of the area in common: of one part the larger share; of two the smaller one, since a small
+/// part may lie on a large one.
+double common(const Mask& a, const Mask& b) {
+  const auto shares = std::minmax({overlap(a, b), overlap(b, a)});
+  return a.part == b.part ? shares.second : shares.first;
 }
 
 /// Best first. What lies free is picked first: a covered part may score high on what is left of it.
@@ -113,7 +121,7 @@ std::vector<Detection> rankPoses(const std::vector<ScoredPose>& scored,
   for (const auto* s : order) {
     const Mask mask = maskOf(*parts[s->part], *s);
     const bool taken = std::any_of(masks.begin(), masks.end(), [&](const Mask& m) {
-      return std::max(overlap(mask, m), overlap(m, mask)) > params.overlap_max;
+      return common(mask, m) > params.overlap_max;
     });
     if (taken) continue;
     if (explained.ownScore(*s) < kOwnScore) continue;

@@ -11,7 +11,7 @@
 namespace planar_bin_picking {
 namespace {
 
-/// Share of either face: of two poses that have more of it in common one is answered (rank.h).
+/// Share of a face: of two poses that have more of it in common one is answered (rank.h).
 constexpr double kOnePlace = 0.5;
 /// Of the inlier score: what an alignment that is still to come, or a search about the pose, may
 /// gain.
@@ -102,7 +102,9 @@ std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& pos
     for (std::size_t k = 0; k < kept.size() && !outscored; ++k) {
       const std::size_t j = kept[k];
       if (poses[j].inlier_score <= poses[i].inlier_score + kClearly) break;
-      outscored = std::max(seen[i].shareOn(seen[j]), seen[j].shareOn(seen[i])) > kOnePlace;
+      const auto shares = std::minmax({seen[i].shareOn(seen[j]), seen[j].shareOn(seen[i])});
+      // A small part may lie on a large one.
+      outscored = (poses[i].part == poses[j].part ? shares.second : shares.first) > kOnePlace;
     }
     if (!outscored) kept.push_back(i);
   }

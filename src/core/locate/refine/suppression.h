@@ -24,8 +24,9 @@ std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& po
                                            double distance, double score_min,
                                            const PoseLimits& limits);
 
-/// Indices, in order, of those that no clearly better pose outscores that is seen, by more than
-/// half of either, where they are: at most one of them is answered, whatever parts they are of.
+/// Indices, in order, of those that no clearly better pose outscores that is seen where they are:
+/// of one part by more than half of either face, of another one by more than half of both, since a
+/// small part may lie on a large one. At most one of them is answered.
 std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& poses,
                                           const std::vector<PartOutline>& outlines);
 

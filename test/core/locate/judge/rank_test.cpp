@@ -190,7 +190,7 @@ TEST(Rank, TheAreaIsThatOfThePictureAtAnyDepth) {
   EXPECT_EQ(leftOfTwo(60.0, 0.5, 1800.0), 2u);
 }
 
-TEST(Rank, ASmallPartOnALargeOneTakesItsPlace) {
+TEST(Rank, ASmallPartOnALargeOneTakesNoPlace) {
   // All of the small one lies over the large one, a few per cent of the large one under it.
   sim::Plate small, large;
   small.outer = rectangle(-10, -10, 10, 10);
@@ -200,9 +200,16 @@ TEST(Rank, ASmallPartOnALargeOneTakesItsPlace) {
     const auto out = rankPoses({scoredAt(0, small_is_better ? 0.9 : 0.7, 1.0, 0),
                                 scoredAt(20, small_is_better ? 0.7 : 0.9, 1.0, 1)},
                                parts, 0.5, {});
-    ASSERT_EQ(out.size(), 1u);
+    ASSERT_EQ(out.size(), 2u);
     EXPECT_EQ(out[0].part_name, small_is_better ? "small" : "large");
   }
+}
+
+TEST(Rank, OnePartTakesItsPlaceAtAnyDistance) {
+  // Half as far away on the same ray it is seen twice as large.
+  ScoredPose far = scoredAt(0, 0.9), near = scoredAt(0, 0.8);
+  near.T_camera_part.translation() *= 0.5;
+  EXPECT_EQ(rankPoses({far, near}, kParts, 0.5, {}).size(), 1u);
 }
 
 TEST(Rank, TheVisibleFaceCounts) {

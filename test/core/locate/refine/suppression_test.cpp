@@ -162,6 +162,16 @@ TEST_F(Suppression, AnotherPartOutscoresAsWell) {
   EXPECT_EQ(withoutOutscored(poses), Indices{1});
 }
 
+TEST_F(Suppression, ASmallPartOnALargeOneIsNotOutscored) {
+  const auto washer = makePart("washer", {rectangle(-8, -8, 8, 8), {}, {}, 0.0});
+  outlines_.push_back(outlineOf(washer));
+  std::vector<PoseHypothesis> poses = {poseAt(0, 0.5), poseAt(10, 0.9)};
+  poses[0].part = 2, poses[1].part = 1;
+  EXPECT_EQ(withoutOutscored(poses), (Indices{0, 1}));
+  std::swap(poses[0].inlier_score, poses[1].inlier_score);
+  EXPECT_EQ(withoutOutscored(poses), (Indices{0, 1}));
+}
+
 TEST_F(Suppression, WhatIsOutscoredOutscoresNone) {
   // Each of three squares covers three fifths of the next one; the outer two have a fifth in
   // common.
