@@ -135,7 +135,7 @@ struct ScoreParams {
 
 /// Stage 5, rank.h.
 struct RankParams {
-  double overlap_max = 0.5;  ///< share of either outline (two parts: both) where the better stays
+  double overlap_max = 0.5;  ///< more of either outline (two parts: both) shared: the better stays
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -155,7 +155,7 @@ LocateResult Locator::locate(const cv::Mat& whole, const Camera& whole_camera,
   clock.finish("hough", candidates.size());
 
   auto refined = refineCandidates(edges, camera, request.parts, candidates, request.floor_normal,
-                                  params_.refine, threads);
+                                  params_.rank.overlap_max, params_.refine, threads);
   if (!plane) fuseWithScenePlane(request.parts, &refined);
   clock.finish("refine", refined.size());
 

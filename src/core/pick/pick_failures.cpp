@@ -57,6 +57,10 @@ int PickFailures::recall(const PickInstance& instance) {
 std::vector<std::size_t> PickFailures::moved(const std::vector<PickInstance>& instances) {
   std::set<std::size_t> out;
   for (Failure& failure : failures_) {
+    // Where a call was for other parts, it is where it was.
+    if (std::none_of(instances.begin(), instances.end(),
+                     [&](const PickInstance& i) { return i.part == failure.part; }))
+      continue;
     failure.moved_to.reset();
     if (std::any_of(instances.begin(), instances.end(),
                     [&](const PickInstance& i) { return isAt(failure, i); }))

@@ -94,6 +94,16 @@ TEST_F(PickFailuresTest, APickOfANeighbourDoesNot) {
   EXPECT_EQ(moved({Lying(0.008)}), Indices({0}));
 }
 
+TEST_F(PickFailuresTest, ACallForAnotherPartInBetweenForgetsNothing) {
+  failures_.add(Lying(0.0).instance());
+  moved({Lying(0.008)});
+  Lying other(0.05);
+  other.part = "bracket";
+  EXPECT_EQ(moved({other}), Indices());
+  failures_.remove(Lying(0.008).instance());
+  EXPECT_EQ(moved({Lying(0.01)}), Indices());  // it was its own, and has gone
+}
+
 TEST_F(PickFailuresTest, AChangedSceneIsAnother) {
   failures_.add(Lying(0.0).instance());
   Lying changed(0.0);

@@ -31,7 +31,7 @@ std::vector<RefinedPose> refineCandidates(
     const EdgeMap& edges, const Camera& camera,
     const std::vector<std::shared_ptr<const PartModel>>& parts,
     const std::vector<Candidate>& candidates, const std::optional<Eigen::Vector3d>& floor_normal,
-    const RefineParams& params, int threads) {
+    double overlap_max, const RefineParams& params, int threads) {
   Aligner aligner(edges, camera, params, parts);
   std::vector<PoseHypothesis> poses(candidates.size());
   const auto forAll = [&](auto&& step) {
@@ -43,7 +43,7 @@ std::vector<RefinedPose> refineCandidates(
              &poses);
   };
   const auto suppressOutscored = [&] {
-    keepOnly(withoutOutscored(poses, aligner.outlines()), &poses);
+    keepOnly(withoutOutscored(poses, aligner.outlines(), overlap_max), &poses);
   };
 
   forAll([&](auto* p, int i) { *p = aligner.alignToField(candidates[i]); });

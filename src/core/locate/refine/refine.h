@@ -17,11 +17,12 @@ namespace planar_bin_picking {
 
 /// @param parts       those that Candidate::part indexes
 /// @param floor_normal  as LocateRequest::floor_normal
+/// @param overlap_max   as RankParams::overlap_max: what the rank would leave out is not refined
 /// @return            poses without duplicates, highest inlier score first
 std::vector<RefinedPose> refineCandidates(
     const EdgeMap& edges, const Camera& camera,
     const std::vector<std::shared_ptr<const PartModel>>& parts,
     const std::vector<Candidate>& candidates, const std::optional<Eigen::Vector3d>& floor_normal,
-    const RefineParams& params, int threads);
+    double overlap_max, const RefineParams& params, int threads);
 
 }  // namespace planar_bin_picking

@@ -11,8 +11,6 @@
 namespace planar_bin_picking {
 namespace {
 
-/// Share of a face: of two poses that have more of it in common one is answered (rank.h).
-constexpr double kOnePlace = 0.5;
 /// Of the inlier score: what an alignment that is still to come, or a search about the pose, may
 /// gain.
 constexpr double kClearly = 0.12;
@@ -93,7 +91,8 @@ std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& po
 }
 
 std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& poses,
-                                          const std::vector<PartOutline>& outlines) {
+                                          const std::vector<PartOutline>& outlines,
+                                          double overlap_max) {
   std::vector<SeenFace> seen;
   for (const auto& p : poses) seen.emplace_back(p, *outlines[p.part].part);
   std::vector<std::size_t> kept;
@@ -104,7 +103,7 @@ std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& pos
       if (poses[j].inlier_score <= poses[i].inlier_score + kClearly) break;
       const auto shares = std::minmax({seen[i].shareOn(seen[j]), seen[j].shareOn(seen[i])});
       // A small part may lie on a large one.
-      outscored = (poses[i].part == poses[j].part ? shares.second : shares.first) > kOnePlace;
+      outscored = (poses[i].part == poses[j].part ? shares.second : shares.first) > overlap_max;
     }
     if (!outscored) kept.push_back(i);
   }

@@ -25,10 +25,11 @@ std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& po
                                            const PoseLimits& limits);
 
 /// Indices, in order, of those that no clearly better pose outscores that is seen where they are:
-/// of one part by more than half of either face, of another one by more than half of both, since a
-/// small part may lie on a large one. At most one of them is answered.
+/// of one part by more than `overlap_max` of either face, of another one by more than that of both,
+/// since a small part may lie on a large one. At most one of them is answered (rank.h).
 std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& poses,
-                                          const std::vector<PartOutline>& outlines);
+                                          const std::vector<PartOutline>& outlines,
+                                          double overlap_max);
 
 /// Leaves the elements with these indices, in their order.
 template <class T>

@@ -13,7 +13,7 @@ namespace {
 std::vector<RefinedPose> refined(const Shot& shot, const Parts& parts,
                                  const std::vector<Candidate>& candidates,
                                  const RefineParams& params = {}, int threads = 1) {
-  return refineCandidates(shot.edges, shot.camera, parts, candidates, std::nullopt, params,
+  return refineCandidates(shot.edges, shot.camera, parts, candidates, std::nullopt, 0.5, params,
                           threads);
 }
 

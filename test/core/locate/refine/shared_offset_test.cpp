@@ -39,7 +39,7 @@ class SharedOffset : public testing::Test {
     const Shot shot = shoot(scene_);
     const Parts parts = {makePart("strip", bevelledStrip(0.0))};
     const auto poses =
-        refineCandidates(shot.edges, shot.camera, parts, starts, std::nullopt, {}, 1);
+        refineCandidates(shot.edges, shot.camera, parts, starts, std::nullopt, 0.5, {}, 1);
     std::vector<RefinedPose> out;
     for (const auto& lie : lies_)
       for (const RefinedPose& p : poses)

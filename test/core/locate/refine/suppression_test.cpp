@@ -38,8 +38,9 @@ class Suppression : public testing::Test {
     return planar_bin_picking::withoutDuplicates(poses, outlines_, kDistance, score_min,
                                                  {min_poses, max_poses});
   }
-  Indices withoutOutscored(const std::vector<PoseHypothesis>& poses) const {
-    return planar_bin_picking::withoutOutscored(poses, outlines_);
+  Indices withoutOutscored(const std::vector<PoseHypothesis>& poses,
+                           double overlap_max = 0.5) const {
+    return planar_bin_picking::withoutOutscored(poses, outlines_, overlap_max);
   }
   std::shared_ptr<const PartModel> bracket_ = makePart("bracket", bracketPlate());
   std::shared_ptr<const PartModel> square_ =
@@ -141,6 +142,15 @@ TEST_F(Suppression, OutscoredIsOnlyWhereMoreThanHalfIsCommon) {
     for (PoseHypothesis& pose : *poses) pose.part = 1;
   EXPECT_EQ(withoutOutscored(near), Indices{1});
   EXPECT_EQ(withoutOutscored(far), (Indices{0, 1}));
+}
+
+TEST_F(Suppression, TheShareThatIsTooMuchIsGiven) {
+  // Squares of 60 mm have 0.75 in common where they are 15 mm apart.
+  std::vector<PoseHypothesis> poses = {poseAt(0, 0.5), poseAt(15, 0.9)};
+  for (PoseHypothesis& pose : poses) pose.part = 1;
+  EXPECT_EQ(withoutOutscored(poses, 0.65), Indices{1});
+  EXPECT_EQ(withoutOutscored(poses, 0.85), (Indices{0, 1}));
+  EXPECT_EQ(withoutOutscored({poseAt(0, 0.5), poseAt(0, 0.9)}, 1.0), (Indices{0, 1}));
 }
 
 TEST_F(Suppression, TheCommonShareIsThatOfEitherFace) {
