@@ -72,6 +72,19 @@ TEST_F(PickFailuresTest, OtherPartsHaveNotMoved) {
   Lying other(0.008);
   other.part = "bracket";
   EXPECT_EQ(moved({other}), Indices());
+  EXPECT_EQ(moved({other, Lying(0.009)}), Indices({1}));
+  Lying on_it(0.009);
+  on_it.part = "bracket";
+  failures_.remove(on_it.instance());
+  EXPECT_EQ(moved({Lying(0.009)}), Indices({0}));
+}
+
+TEST_F(PickFailuresTest, WhatIsBackAtItsPlaceHasNotMoved) {
+  failures_.add(Lying(0.0).instance());
+  ASSERT_EQ(moved({Lying(0.008)}), Indices({0}));  // it was not found, a neighbour was
+  EXPECT_EQ(moved({Lying(0.0), Lying(0.008)}), Indices());
+  failures_.remove(Lying(0.008).instance());
+  EXPECT_EQ(failures_.recall(Lying(0.0).instance()), 1);
 }
 
 TEST_F(PickFailuresTest, APickAfterwardsEndsIt) {
@@ -82,6 +95,13 @@ TEST_F(PickFailuresTest, APickAfterwardsEndsIt) {
   failures_.remove(Lying(0.016).instance());
   EXPECT_EQ(moved({Lying(0.01), Lying(0.002)}), Indices());
   EXPECT_EQ(failures_.recall(Lying(0.0).instance()), 0);
+}
+
+TEST_F(PickFailuresTest, AFailureWhereItWasDraggedToTakesTheFirstOnesPlace) {
+  failures_.add(Lying(0.0).instance());
+  ASSERT_EQ(moved({Lying(0.02)}), Indices({0}));
+  failures_.add(Lying(0.02).instance());
+  EXPECT_EQ(moved({Lying(0.04), Lying(-0.01)}), Indices({0}));
 }
 
 TEST_F(PickFailuresTest, APickOfANeighbourDoesNot) {
