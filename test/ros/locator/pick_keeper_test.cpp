@@ -46,6 +46,8 @@ TEST(PickKeeper, WhatMovedSinceItsPickFailedComesAfterOthers) {
   offer(&keeper, answerWith({lying(0, 0), lying(0.15, 0)}, 1.0));
   report(&keeper, 1.0, "hinge_1", false);
   Answer next = answerWith({lying(0.01, 0), lying(0.15, 0)}, 2.0);
+  ASSERT_EQ(offer(&keeper, next).offered.parts.size(), 2u);
+  EXPECT_NEAR(offer(&keeper, next).offered.parts[0].pose.pose.position.x, 0.15, 1e-9);
   next.result.detections[1].visible_fraction = 0.9;  // and may be held down
   auto parts = offer(&keeper, next).offered.parts;
   ASSERT_EQ(parts.size(), 2u);
