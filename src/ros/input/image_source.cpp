@@ -25,12 +25,6 @@ std::string seconds(const double value) {
   return text;
 }
 
-/// In seconds; ros::Duration throws where the two are more than 68 years apart.
-double between(const ros::Time& earlier, const ros::Time& later) {
-  return static_cast<double>(later.sec) - earlier.sec +
-         1e-9 * (static_cast<double>(later.nsec) - earlier.nsec);
-}
-
 /// An image from the future fits every wish, also one that was taken before the robot stood still.
 void checkClock(const Frame& frame) {
   constexpr double kLargestLead = 0.1;  // s; clocks that are synchronized at all are closer
@@ -76,9 +70,7 @@ ImageSource::ImageSource(const ros::NodeHandle& nh, const ros::NodeHandle& pnh,
 void ImageSource::note(const ros::Time& stamp, Arrivals* arrivals) {
   forgetIfClockWentBack();
   const std::lock_guard<std::mutex> lock(arrivals_mutex_);
-  ++arrivals->count;
-  arrivals->stamp = stamp;
-  arrivals->received = std::chrono::steady_clock::now();
+  arrivals->note(stamp, std::chrono::steady_clock::now());
 }
 
 void ImageSource::forgetIfClockWentBack() {
@@ -141,30 +133,31 @@ std::string ImageSource::whyNoPair(const SteadyTime called) const {
   const std::string info_topic = infos_.getTopic();
   const std::lock_guard<std::mutex> lock(arrivals_mutex_);
   const Arrivals &image = image_arrivals_, &info = info_arrivals_;
-  if (images_.getNumPublishers() == 0 && image.received < called) {
+  if (images_.getNumPublishers() == 0 && image.received() < called) {
     return "nobody publishes " + topic() + "; start the camera's driver or remap the topic";
   }
-  if (image.count == 0) {
+  if (image.count() == 0) {
     return topic() +
            " has a publisher, but no image has come yet; check the camera and its trigger";
   }
-  if (image.received < called) {
-    return "no image came on " + topic() + " since the call, the last one " + ago(image.received) +
-           "; check that the camera runs, and its trigger";
+  if (image.received() < called) {
+    return "no image came on " + topic() + " since the call, the last one " +
+           ago(image.received()) + "; check that the camera runs, and its trigger";
   }
-  if (image.stamp.isZero()) return zeroStamp(topic());
-  if (info.count == 0) {
+  if (image.stamp().isZero()) return zeroStamp(topic());
+  if (info.count() == 0) {
     return "images come on " + topic() + ", but no camera_info on " + info_topic +
            "; let the driver publish it beside the images";
   }
-  if (info.received < called) {
+  if (info.received() < called) {
     return "images come on " + topic() + ", but camera_info on " + info_topic +
-           " stopped, the last one came " + ago(info.received) + "; check the driver";
+           " stopped, the last one came " + ago(info.received()) + "; check the driver";
   }
-  if (image.stamp != info.stamp) {
-    return "no image has a camera_info of the same stamp: the newest on " + info_topic + " is " +
-           seconds(std::abs(between(image.stamp, info.stamp))) +
-           (info.stamp < image.stamp ? " older" : " newer") + " than the newest on " + topic() +
+  const double lead = image.lead(info);
+  if (lead != 0.0) {
+    return "no image has a camera_info of the same stamp: " + info_topic + " is " +
+           seconds(std::abs(lead)) + (lead < 0.0 ? " older" : " newer") +
+           " than the image that came with it on " + topic() +
            "; let the driver give both one stamp";
   }
   return "";

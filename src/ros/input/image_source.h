@@ -6,6 +6,7 @@
 /// Always subscribed, since a robot may ask for an image that has already come; an image that
 /// nobody waits for costs a pointer.
 
+#include "input/arrivals.h"
 #include "input/image_inbox.h"
 #include "shared/clock_watch.h"
 
@@ -39,12 +40,6 @@ class ImageSource {
   void close() { inbox_.close(); }  ///< ends all waiting
   void open() { inbox_.open(); }    ///< after close(): later calls wait again
 
-  /// What came on one topic, to tell what is missing when no pair comes.
-  struct Arrivals {
-    std::size_t count = 0;
-    ros::Time stamp;      ///< of the newest
-    SteadyTime received;  ///< when that came
-  };
   struct Traffic {
     Arrivals images, infos;
     bool has_publisher = false;  ///< of images

@@ -136,12 +136,12 @@ void Health::camera(Status& status) {
   constexpr double kOld = 5.0;  // s without an image that comes of itself
   const bool has_trigger = !tuning_.current()->cell.trigger_service.empty();
   const ImageSource::Traffic traffic = source_.traffic();
-  const std::size_t fresh = traffic.images.count - images_;
+  const std::size_t fresh = traffic.images.count() - images_;
   const double rate = static_cast<double>(fresh) / std::max(1e-3, since(looked_));
-  images_ = traffic.images.count;
+  images_ = traffic.images.count();
   looked_ = std::chrono::steady_clock::now();
-  const bool has_image = traffic.images.count > 0;
-  const double age = has_image ? since(traffic.images.received) : -1.0;
+  const bool has_image = traffic.images.count() > 0;
+  const double age = has_image ? since(traffic.images.received()) : -1.0;
   const auto newest = source_.newest();
   if (!traffic.has_publisher) {
     status.summary(DiagnosticStatus::ERROR, "nobody publishes " + source_.topic());
@@ -149,9 +149,9 @@ void Health::camera(Status& status) {
     status.summary(DiagnosticStatus::OK, "images come on request; none was asked for yet");
   } else if (!has_image || (!has_trigger && age > kOld)) {
     status.summary(DiagnosticStatus::ERROR, "no image comes on " + source_.topic());
-  } else if (traffic.infos.count == 0) {
+  } else if (traffic.infos.count() == 0) {
     status.summary(DiagnosticStatus::ERROR, "no camera_info comes beside " + source_.topic());
-  } else if (std::abs((traffic.images.stamp - traffic.infos.stamp).toSec()) > kOld) {
+  } else if (std::abs(traffic.images.lead(traffic.infos)) > kOld) {
     status.summary(DiagnosticStatus::ERROR, "images and camera_info have different stamps");
   } else {
     status.summary(DiagnosticStatus::OK, "images come");
@@ -169,8 +169,8 @@ void Health::camera(Status& status) {
   }
   status.add("rate in Hz", rate);
   status.add("age of the latest image in s", age);
-  status.add("images", traffic.images.count);
-  status.add("camera_infos", traffic.infos.count);
+  status.add("images", traffic.images.count());
+  status.add("camera_infos", traffic.infos.count());
   warn(status);
 }
 
