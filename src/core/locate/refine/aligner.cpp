@@ -5,6 +5,7 @@
 #include "locate/align/field_alignment.h"
 #include "locate/evidence/inlier_score.h"
 #include "locate/evidence/print_evidence.h"
+#include "locate/evidence/wall_bands.h"
 #include "locate/evidence/wall_evidence.h"
 #include "part/part_extent.h"
 
@@ -263,6 +264,13 @@ std::optional<double> Aligner::wallScoreOf(const PoseHypothesis& pose) const {
   const PartOutline& outline = outlineOf(pose);
   return wallScore(edges_, camera_, outline.of(pose.face).fine, solidOf(*outline.part, pose.face),
                    pose.T_camera_part * centreOf(*outline.part, pose.face));
+}
+
+double Aligner::wallBandsOf(const PoseHypothesis& pose, const PoseHypothesis& other) const {
+  const PartOutline& outline = outlineOf(pose);
+  const Eigen::Isometry3d T_part_centre = centreOf(*outline.part, pose.face);
+  return wallBands(edges_, camera_, outline.of(pose.face).fine, solidOf(*outline.part, pose.face),
+                   pose.T_camera_part * T_part_centre, other.T_camera_part * T_part_centre);
 }
 
 double Aligner::printScoreOf(const PoseHypothesis& pose) const {

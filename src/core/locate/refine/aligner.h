@@ -37,6 +37,9 @@ class Aligner {
                             const std::vector<LocalPoint>& points) const;
   /// Of the side walls' lower edges, see wall_evidence.h.
   std::optional<double> wallScoreOf(const PoseHypothesis& pose) const;
+  /// How much more of the narrow side walls is seen where a pose has them than where another one
+  /// has, see wall_bands.h.
+  double wallBandsOf(const PoseHypothesis& pose, const PoseHypothesis& other) const;
   /// Of the print as it would be seen from the front, see print_evidence.h.
   double printScoreOf(const PoseHypothesis& pose) const;
 

@@ -28,6 +28,10 @@ constexpr double kWallChance = 0.3;
 /// in simulated heaps the smaller residual was right in 279 of the 284 that differ by more than a
 /// quarter and have one below 0.4 pixels, in 14 of 19 of those that have none.)
 constexpr double kTiltSigma = 0.05, kResiduals = 10.0, kLeastResidualPx = 0.05, kAliensPx = 0.4;
+/// Log odds of a tilt all of whose narrow walls are seen, and none of the other's (of 558 pairs of
+/// tilts in 46 rendered scenes, 397 of them of small tabs and washers, 541 were decided rightly
+/// without the walls' bands and 552 with them).
+constexpr double kBandOdds = 12.0;
 /// Share of the print that is confirmed from which on the front is likelier up than the back:
 /// halfway from what chance gives to what a print in view has.
 constexpr double kPrintEven = 0.5;
@@ -127,11 +131,19 @@ double residualLead(double one, double other) {
 /// The likeliest other tilt that is another pose once aligned and may compete.
 std::optional<PoseHypothesis> competingTilt(const Aligner& aligner, const RefineParams& params,
                                             const PoseHypothesis& pose) {
-  for (PoseHypothesis& other : otherTilts(aligner, params, pose)) {
-    aligner.alignWide(&other);
-    if (other.inlier_score < pose.inlier_score - kHopeless) continue;
-    aligner.alignNarrowFromAfar(&other);
-    if ((normalOf(other) - normalOf(pose)).norm() > kTiltsAligned) return other;
+  for (const PoseHypothesis& start : otherTilts(aligner, params, pose)) {
+    // A wide alignment finds a pose that the edges lie farther off, and turns a small part's tilt
+    // back where it came from.
+    for (const bool is_wide : {true, false}) {
+      PoseHypothesis other = start;
+      if (is_wide) {
+        aligner.alignWide(&other);
+        if (other.inlier_score < pose.inlier_score - kHopeless) continue;
+      }
+      aligner.alignNarrowFromAfar(&other);
+      if (other.inlier_score < pose.inlier_score - kHopeless) continue;
+      if ((normalOf(other) - normalOf(pose)).norm() > kTiltsAligned) return other;
+    }
   }
   return std::nullopt;
 }
@@ -144,6 +156,7 @@ void compareTilts(const Aligner& aligner, const RefineParams& params, ChosenPose
   const auto wall = aligner.wallScoreOf(chosen->pose), other_wall = aligner.wallScoreOf(*other);
   if (wall && other_wall)
     lead += (std::max(*wall, kWallChance) - std::max(*other_wall, kWallChance)) / kWallSigma;
+  lead += kBandOdds * aligner.wallBandsOf(chosen->pose, *other);
   if (lead < 0.0) {
     std::swap(chosen->pose, *other);
     lead = -lead;

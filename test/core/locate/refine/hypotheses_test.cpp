@@ -68,14 +68,23 @@ TEST(OtherTilt, BeyondTheLimitAndItsSlackThereIsNone) {
   EXPECT_FALSE(viewed.chosenFrom(truth).other_tilt);
 }
 
-TEST(OtherTilt, TheSideWallTellsToo) {
-  const sim::Plate plate = smallBracket(10.0);
-  const Eigen::Isometry3d truth = tilted(12.0);
+/// A small bracket with a dark side wall.
+sim::Scene withWalls(const Eigen::Isometry3d& truth, double thickness_mm) {
   sim::Scene scene;
   // The wall is what the upper face leaves of the lower one.
-  scene.plates.push_back({smallBracket(), truth * Eigen::Translation3d(0.0, 0.0, -0.010), 105.0});
+  scene.plates.push_back(
+      {smallBracket(), truth * Eigen::Translation3d(0.0, 0.0, -1e-3 * thickness_mm), 105.0});
   scene.plates.push_back({smallBracket(), truth});
-  const Viewed viewed(plate, scene);
+  return scene;
+}
+
+double bandLead(const Viewed& viewed, const ChosenPose& chosen) {
+  return 12.0 * viewed.aligner().wallBandsOf(chosen.pose, *chosen.other_tilt);
+}
+
+TEST(OtherTilt, TheSideWallTellsToo) {
+  const Eigen::Isometry3d truth = tilted(12.0);
+  const Viewed viewed(smallBracket(10.0), withWalls(truth, 10.0));
   for (const double start : {12.0, -12.0}) {
     const ChosenPose chosen = viewed.chosenFrom(tilted(start));
     EXPECT_TRUE(isometryNear(chosen.pose.T_camera_part, truth, kMetres, kRadians)) << start;
@@ -85,7 +94,22 @@ TEST(OtherTilt, TheSideWallTellsToo) {
     ASSERT_TRUE(wall && other_wall);
     EXPECT_GT(*wall, *other_wall + 0.1);
     ASSERT_LT(*other_wall, 0.3);  // no more than chance gives
-    EXPECT_NEAR(chosen.lead, outlineLead(chosen) + (*wall - 0.3) / 0.075, 1e-9);
+    EXPECT_NEAR(chosen.lead, outlineLead(chosen) + (*wall - 0.3) / 0.075 + bandLead(viewed, chosen),
+                1e-9);
+  }
+}
+
+TEST(OtherTilt, ANarrowSideWallTellsToo) {
+  const Eigen::Isometry3d truth = tilted(8.0);
+  const Viewed viewed(smallBracket(3.0), withWalls(truth, 3.0));
+  for (const double start : {8.0, -8.0}) {
+    const ChosenPose chosen = viewed.chosenFrom(tilted(start));
+    // The wall draws some of the outline's edges to its own.
+    EXPECT_TRUE(isometryNear(chosen.pose.T_camera_part, truth, 2 * kMetres, 2 * kRadians)) << start;
+    ASSERT_TRUE(chosen.other_tilt) << start;
+    EXPECT_FALSE(viewed.aligner().wallScoreOf(chosen.pose)) << "too narrow for that";
+    EXPECT_GT(bandLead(viewed, chosen), 3.0);
+    EXPECT_NEAR(chosen.lead, outlineLead(chosen) + bandLead(viewed, chosen), 1e-9);
   }
 }
 
