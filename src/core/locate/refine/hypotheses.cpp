@@ -131,19 +131,21 @@ double residualLead(double one, double other) {
 /// The likeliest other tilt that is another pose once aligned and may compete.
 std::optional<PoseHypothesis> competingTilt(const Aligner& aligner, const RefineParams& params,
                                             const PoseHypothesis& pose) {
+  const double least = pose.inlier_score - kHopeless;
   for (const PoseHypothesis& start : otherTilts(aligner, params, pose)) {
-    // A wide alignment finds a pose that the edges lie farther off, and turns a small part's tilt
-    // back where it came from.
-    for (const bool is_wide : {true, false}) {
-      PoseHypothesis other = start;
-      if (is_wide) {
-        aligner.alignWide(&other);
-        if (other.inlier_score < pose.inlier_score - kHopeless) continue;
-      }
+    PoseHypothesis other = start;
+    aligner.alignWide(&other);
+    if (other.inlier_score >= least) {
       aligner.alignNarrowFromAfar(&other);
-      if (other.inlier_score < pose.inlier_score - kHopeless) continue;
       if ((normalOf(other) - normalOf(pose)).norm() > kTiltsAligned) return other;
     }
+    // A wide alignment turns a small part's tilt back to where it came from, or loses it. About a
+    // pose that is hardly seen a narrow one finds the edges of others.
+    if (pose.inlier_score < kTells) continue;
+    other = start;
+    aligner.alignNarrowFromAfar(&other);
+    if (other.inlier_score >= least && (normalOf(other) - normalOf(pose)).norm() > kTiltsAligned)
+      return other;
   }
   return std::nullopt;
 }
