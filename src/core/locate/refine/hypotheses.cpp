@@ -28,9 +28,9 @@ constexpr double kWallChance = 0.3;
 /// in simulated heaps the smaller residual was right in 279 of the 284 that differ by more than a
 /// quarter and have one below 0.4 pixels, in 14 of 19 of those that have none.)
 constexpr double kTiltSigma = 0.05, kResiduals = 10.0, kLeastResidualPx = 0.05, kAliensPx = 0.4;
-/// Log odds of a tilt all of whose narrow walls are seen, and none of the other's (of 558 pairs of
-/// tilts in 46 rendered scenes, 397 of them of small tabs and washers, 541 were decided rightly
-/// without the walls' bands and 552 with them).
+/// Log odds of a tilt all of whose narrow walls are seen, and none of the other's, fitted to 558
+/// pairs of tilts in 47 rendered scenes, 397 of them of small tabs and washers: 541 were decided
+/// rightly without the walls' bands and 552 with them.
 constexpr double kBandOdds = 12.0;
 /// Share of the print that is confirmed from which on the front is likelier up than the back:
 /// halfway from what chance gives to what a print in view has.
@@ -132,20 +132,22 @@ double residualLead(double one, double other) {
 std::optional<PoseHypothesis> competingTilt(const Aligner& aligner, const RefineParams& params,
                                             const PoseHypothesis& pose) {
   const double least = pose.inlier_score - kHopeless;
+  const auto isAnother = [&](const PoseHypothesis& other) {
+    return (normalOf(other) - normalOf(pose)).norm() > kTiltsAligned;
+  };
   for (const PoseHypothesis& start : otherTilts(aligner, params, pose)) {
     PoseHypothesis other = start;
     aligner.alignWide(&other);
     if (other.inlier_score >= least) {
       aligner.alignNarrowFromAfar(&other);
-      if ((normalOf(other) - normalOf(pose)).norm() > kTiltsAligned) return other;
+      if (isAnother(other)) return other;
     }
     // A wide alignment turns a small part's tilt back to where it came from, or loses it. About a
     // pose that is hardly seen a narrow one finds the edges of others.
     if (pose.inlier_score < kTells) continue;
     other = start;
     aligner.alignNarrowFromAfar(&other);
-    if (other.inlier_score >= least && (normalOf(other) - normalOf(pose)).norm() > kTiltsAligned)
-      return other;
+    if (other.inlier_score >= least && isAnother(other)) return other;
   }
   return std::nullopt;
 }
