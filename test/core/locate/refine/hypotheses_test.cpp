@@ -113,6 +113,28 @@ TEST(OtherTilt, ANarrowSideWallTellsToo) {
   }
 }
 
+/// The edges of a larger one beneath lie within the reach of a wide alignment, which goes there.
+TEST(OtherTilt, IsFoundAmongTheEdgesOfALikePart) {
+  sim::Plate plate = bracketPlate();
+  for (auto& p : plate.outer) p *= 0.35;
+  for (auto& hole : plate.holes)
+    for (auto& p : hole) p *= 0.35;
+  plate.thickness_mm = 0.0;
+  sim::Plate larger = plate;
+  larger.holes.clear();
+  for (auto& p : larger.outer) p *= 1.1;
+  for (const double tilt_deg : {6.0, 8.0, 10.0}) {
+    const Eigen::Isometry3d truth = tilted(tilt_deg);
+    sim::Scene scene;
+    scene.plates.push_back({larger, truth, 110.0});
+    scene.plates.push_back({plate, truth});
+    const ChosenPose chosen = Viewed(plate, scene).chosenFrom(truth);
+    ASSERT_TRUE(chosen.other_tilt) << tilt_deg;
+    EXPECT_GT((normalOf(*chosen.other_tilt) - normalOf(chosen.pose)).norm(), 0.05) << tilt_deg;
+    EXPECT_GT(chosen.other_tilt->inlier_score, 0.7) << tilt_deg;
+  }
+}
+
 TEST(NearSymmetry, ThePointsThatDifferDecide) {
   for (const bool front : {true, false}) {
     const Eigen::Isometry3d truth = tilted(3.0, 20.0, front);
