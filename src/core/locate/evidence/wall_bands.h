@@ -18,7 +18,8 @@ namespace planar_bin_picking {
 ///          looked at is what lies beside the middle of both
 /// @return  how much more the bands lie where `one` has walls than where `other` has: their
 ///          correlation over the outline with the difference of the two walls' widths, -1..1,
-///          brought nearer to 0 where that differs little; 0 where too few walls are narrow enough
+///          brought nearer to 0 where that differs little, or where the blur of the face's edge
+///          explains them as well; 0 where too few walls are narrow enough
 /// Cost: O(points).
 double wallBands(const EdgeMap& edges, const Camera& camera, const std::vector<LocalPoint>& points,
                  const Solid& solid, const Eigen::Isometry3d& T_one,
