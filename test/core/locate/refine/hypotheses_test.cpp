@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace planar_bin_picking {
 namespace {
 
@@ -113,25 +115,43 @@ TEST(OtherTilt, ANarrowSideWallTellsToo) {
   }
 }
 
-/// The edges of a larger one beneath lie within the reach of a wide alignment, which goes there.
-TEST(OtherTilt, IsFoundAmongTheEdgesOfALikePart) {
+sim::Plate smallPlate(double scale) {
   sim::Plate plate = bracketPlate();
-  for (auto& p : plate.outer) p *= 0.35;
+  for (auto& p : plate.outer) p *= scale;
   for (auto& hole : plate.holes)
-    for (auto& p : hole) p *= 0.35;
-  plate.thickness_mm = 0.0;
-  sim::Plate larger = plate;
+    for (auto& p : hole) p *= scale;
+  return plate;
+}
+
+/// On a larger one, whose edges lie within the reach of a wide alignment, which goes there.
+sim::Scene onALikePart(const Eigen::Isometry3d& truth) {
+  sim::Plate larger = smallPlate(1.1 * 0.35);
   larger.holes.clear();
-  for (auto& p : larger.outer) p *= 1.1;
+  sim::Scene scene;
+  scene.plates.push_back({larger, truth, 110.0});
+  scene.plates.push_back({smallPlate(0.35), truth});
+  return scene;
+}
+
+TEST(OtherTilt, IsFoundAmongTheEdgesOfALikePart) {
   for (const double tilt_deg : {6.0, 8.0, 10.0}) {
     const Eigen::Isometry3d truth = tilted(tilt_deg);
-    sim::Scene scene;
-    scene.plates.push_back({larger, truth, 110.0});
-    scene.plates.push_back({plate, truth});
-    const ChosenPose chosen = Viewed(plate, scene).chosenFrom(truth);
+    const ChosenPose chosen = Viewed(smallPlate(0.35), onALikePart(truth)).chosenFrom(truth);
     ASSERT_TRUE(chosen.other_tilt) << tilt_deg;
     EXPECT_GT((normalOf(*chosen.other_tilt) - normalOf(chosen.pose)).norm(), 0.05) << tilt_deg;
     EXPECT_GT(chosen.other_tilt->inlier_score, 0.7) << tilt_deg;
+  }
+}
+
+/// A narrow alignment would find one, held by the other edges.
+TEST(OtherTilt, IsNotSoughtAmongThemWhereHalfIsCovered) {
+  for (const auto& [tilt_deg, edge_mm] : {std::pair{8.0, 6.0}, {10.0, 2.0}, {12.0, 2.0}}) {
+    const Eigen::Isometry3d truth = tilted(tilt_deg);
+    sim::Scene scene = onALikePart(truth);
+    scene.plates.push_back({{rectangle(edge_mm, -40, 40, 40), {}, {}, 0.0}, truth, 200.0});
+    const ChosenPose chosen = Viewed(smallPlate(0.35), scene).chosenFrom(truth);
+    EXPECT_GT(chosen.pose.inlier_score, 0.5) << tilt_deg;
+    EXPECT_FALSE(chosen.other_tilt) << tilt_deg;
   }
 }
 
