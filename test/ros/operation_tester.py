@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One locator that runs on while its bin empties and its parts come and go."""
 import os
+import queue
 import shutil
 import signal
 import subprocess
@@ -262,15 +263,21 @@ class Operation(TuningCases, CheckCellCases, RegionCases, unittest.TestCase):
 
     # --- what an operator looks at -----------------------------------------------------------------
     def diagnostics(self, locator):
-        """{task: status} of the next message of that locator."""
-        end = time.monotonic() + UP
-        while time.monotonic() < end:
-            message = rospy.wait_for_message("/diagnostics", DiagnosticArray, UP)
-            found = {status.name.split(": ")[-1]: status for status in message.status
+        """{task: status} of the next message of that locator, among those of all others."""
+        found = queue.Queue()
+
+        def take(message):
+            tasks = {status.name.split(": ")[-1]: status for status in message.status
                      if status.name.startswith(locator + ":")}  # without a slash
-            if found:
-                return found
-        self.fail("no diagnostics of " + locator)
+            if tasks:
+                found.put(tasks)
+        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, take)
+        try:
+            return found.get(timeout=UP)
+        except queue.Empty:
+            self.fail("no diagnostics of " + locator)
+        finally:
+            subscriber.unregister()
 
     def test_diagnostics_and_parameters(self):
         self.call("op", Status.OK, part="bracket", max_parts=1)
@@ -297,8 +304,13 @@ class Operation(TuningCases, CheckCellCases, RegionCases, unittest.TestCase):
         self.comes_true(lambda: "calibrat" in self.diagnostics("op")["camera"].message)
         self.assertEqual(found["parts"].level, DiagnosticStatus.WARN)
         self.assertIn("torn", found["parts"].message)
-        self.cell.change(has_images=False)
-        self.comes_true(lambda: self.diagnostics("op")["camera"].level == DiagnosticStatus.ERROR)
+        for words, values in (("0.250 s newer", dict(info_lead=0.25)), ("stamp of zero", dict(zero_stamps=True)),
+                              ("stopped", dict(has_info=False)), ("no image comes", dict(has_images=False))):
+            self.cell.good()
+            self.comes_true(lambda: self.diagnostics("op")["camera"].level == DiagnosticStatus.OK)
+            self.cell.change(**values)
+            self.comes_true(lambda: words in self.diagnostics("op")["camera"].message)
+            self.assertEqual(self.diagnostics("op")["camera"].level, DiagnosticStatus.ERROR, words)
         parameters = rospy.ServiceProxy("coarse/parameters", Trigger)()
         self.assertTrue(parameters.success)
         for line in ("empty_mark: 0.5", "hough/yaw_step_deg: 5", "failures_max: 2"):

@@ -18,11 +18,12 @@ void Arrivals::note(const ros::Time& stamp, const SteadyTime received) {
   ++count_;
 }
 
-double Arrivals::lead(const Arrivals& other) const {
+double Arrivals::lead(const Arrivals& other, const SteadyTime since) const {
   auto closest = std::chrono::steady_clock::duration::max();
   double lead = 0.0;
   for (std::size_t i = 0; i < std::min(count_, latest_.size()); ++i) {
     for (std::size_t j = 0; j < std::min(other.count_, latest_.size()); ++j) {
+      if (latest_[i].received < since || other.latest_[j].received < since) continue;
       const auto apart = std::chrono::abs(latest_[i].received - other.latest_[j].received);
       if (apart >= closest) continue;
       closest = apart;

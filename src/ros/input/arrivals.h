@@ -23,10 +23,10 @@ class Arrivals {
   const SteadyTime& received() const { return latest_[0].received; }  ///< when that came
 
   /// By how much another topic's stamps are newer than this one's, in s. Of the last two messages
-  /// of both, those count that came closest together: a driver sends the two of one shot at once,
-  /// but over two connections, and whoever looks between them sees the shot before on one of them.
-  /// @pre  both topics have a message
-  double lead(const Arrivals& other) const;
+  /// of both that came since a moment, those count that came closest together: a driver sends the
+  /// two of one shot at once, but over two connections, and whoever looks between them sees the
+  /// shot before on one of them. 0 where one of the topics has had none since.
+  double lead(const Arrivals& other, SteadyTime since) const;
 
  private:
   struct Arrival {

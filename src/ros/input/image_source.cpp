@@ -20,8 +20,11 @@ namespace {
 constexpr std::uint32_t kImagesKept = 1, kInfosKept = 10, kPairsKept = 10;  // waiting for the other
 
 std::string seconds(const double value) {
+  constexpr double kMillisecond = 1e-3;  // two readings of one clock may be nearer
+  const bool is_small = value > 0.0 && value < kMillisecond;
   char text[32];
-  std::snprintf(text, sizeof text, "%.3f s", value);
+  std::snprintf(text, sizeof text, is_small ? "%.3f ms" : "%.3f s",
+                is_small ? value / kMillisecond : value);
   return text;
 }
 
@@ -55,6 +58,8 @@ ImageSource::ImageSource(const ros::NodeHandle& nh, const ros::NodeHandle& pnh,
   // The sibling's name follows from the image's after remapping, as image_transport has it.
   const std::string topic = nh.resolveName(name.empty() ? kImageTopic : name);
   pairs_.connectInput(images_, infos_);
+  // Else messages that wait with stamps of before a jump back would be kept, and all new ones lost.
+  pairs_.setReset(true);
   pairs_.registerCallback(
       boost::bind(&ImageInbox::push, &inbox_, boost::placeholders::_1, boost::placeholders::_2));
   images_.registerCallback(boost::function<void(const sensor_msgs::ImageConstPtr&)>(
@@ -129,6 +134,12 @@ std::string ImageSource::whyNone(const FrameWish& wish, const SteadyTime called)
          "trigger, and that its clock and this one agree";
 }
 
+std::string ImageSource::whyNoPair() const {
+  // As of a call just before the latest image: its camera_info came a little before or after it.
+  constexpr std::chrono::seconds kBefore(1);
+  return whyNoPair(traffic().images.received() - kBefore);
+}
+
 std::string ImageSource::whyNoPair(const SteadyTime called) const {
   const std::string info_topic = infos_.getTopic();
   const std::lock_guard<std::mutex> lock(arrivals_mutex_);
@@ -153,7 +164,7 @@ std::string ImageSource::whyNoPair(const SteadyTime called) const {
     return "images come on " + topic() + ", but camera_info on " + info_topic +
            " stopped, the last one came " + ago(info.received()) + "; check the driver";
   }
-  const double lead = image.lead(info);
+  const double lead = image.lead(info, called);
   if (lead != 0.0) {
     return "no image has a camera_info of the same stamp: " + info_topic + " is " +
            seconds(std::abs(lead)) + (lead < 0.0 ? " older" : " newer") +

@@ -47,6 +47,9 @@ class ImageSource {
   Traffic traffic() const;
   /// The newest image with its camera_info.
   std::optional<Frame> newest() const { return inbox_.newest(); }
+  /// Why the latest image has none; "" where all seems well.
+  /// @pre  an image has come
+  std::string whyNoPair() const;
 
  private:
   void note(const ros::Time& stamp, Arrivals* arrivals);

@@ -132,8 +132,25 @@ void Health::called(const Response& response) {
   deadlocks_in_a_row_ = response.status == Response::DEADLOCK ? deadlocks_in_a_row_ + 1 : 0;
 }
 
+namespace {
+
+constexpr double kOld = 5.0;  // s without an image that comes of itself, or without a pair
+
+}  // namespace
+
+bool Health::hasNoPairs(const ImageSource::Traffic& traffic, const std::optional<Frame>& newest) {
+  constexpr double kPatience = 2.0;  // s: the camera_info of the latest image may be on its way
+  const bool is_paired = newest && (newest->image->header.stamp == traffic.images.stamp() ||
+                                    since(newest->received) < kOld);
+  if (is_paired || traffic.images.count() == 0) {
+    unpaired_.reset();
+  } else if (!unpaired_) {
+    unpaired_ = std::chrono::steady_clock::now();
+  }
+  return unpaired_ && since(*unpaired_) > kPatience;
+}
+
 void Health::camera(Status& status) {
-  constexpr double kOld = 5.0;  // s without an image that comes of itself
   const bool has_trigger = !tuning_.current()->cell.trigger_service.empty();
   const ImageSource::Traffic traffic = source_.traffic();
   const std::size_t fresh = traffic.images.count() - images_;
@@ -149,10 +166,13 @@ void Health::camera(Status& status) {
     status.summary(DiagnosticStatus::OK, "images come on request; none was asked for yet");
   } else if (!has_image || (!has_trigger && age > kOld)) {
     status.summary(DiagnosticStatus::ERROR, "no image comes on " + source_.topic());
-  } else if (traffic.infos.count() == 0) {
-    status.summary(DiagnosticStatus::ERROR, "no camera_info comes beside " + source_.topic());
-  } else if (std::abs(traffic.images.lead(traffic.infos)) > kOld) {
-    status.summary(DiagnosticStatus::ERROR, "images and camera_info have different stamps");
+  } else if (hasNoPairs(traffic, newest)) {
+    const std::string why = source_.whyNoPair();
+    status.summary(DiagnosticStatus::ERROR,
+                   why.empty() ? "no image has a camera_info of the same stamp" : why);
+  } else if (traffic.images.stamp().isZero()) {
+    status.summary(DiagnosticStatus::ERROR,
+                   "images have a stamp of zero; let the driver fill in header.stamp");
   } else {
     status.summary(DiagnosticStatus::OK, "images come");
     try {

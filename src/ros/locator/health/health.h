@@ -18,6 +18,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace planar_bin_picking_ros {
@@ -52,6 +53,8 @@ class Health {
   void count(int change);
   void called(const planar_bin_picking::LocatePart::Response& response);
   void camera(Status& status);
+  /// Whether images come, but for some looks now no camera_info of the same stamp.
+  bool hasNoPairs(const ImageSource::Traffic& traffic, const std::optional<Frame>& newest);
   /// Of the camera's summary; a log that nobody can overlook and that does not fill the disk.
   void warn(const Status& status);
   void calibration(Status& status);
@@ -66,6 +69,7 @@ class Health {
   const CheckCamera check_camera_;
   std::size_t images_ = 0;  ///< at the last look
   SteadyTime looked_ = std::chrono::steady_clock::now();
+  std::optional<SteadyTime> unpaired_;  ///< since when the latest image has had no camera_info
   SteadyTime warned_ = {};
   std::string warning_;  ///< the last one in the log
   Status calibration_;   ///< as last read from the files
