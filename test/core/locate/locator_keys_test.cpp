@@ -70,7 +70,7 @@ const std::vector<Change> kChanges = {
     {"score/points", "384", ""},
     {"score/visible_reach_px", "4", ""},
     {"rank/overlap_max", "0", ""},
-    {"rank/overlap_max", "1", ""},  // refinement leaves out by it, too
+    {"rank/overlap_max", "1", ""},
 };
 
 class LocatorKeys : public testing::Test {

@@ -14,7 +14,7 @@ namespace {
 /// Of the inlier score: what an alignment that is still to come, or a search about the pose, may
 /// gain.
 constexpr double kClearly = 0.12;
-constexpr std::size_t kSamples = 32;  // of a face: these tell a half well enough
+constexpr std::size_t kSamples = 32;  // of a face, at most: an overlap to some per cent
 
 std::vector<std::size_t> bestFirst(const std::vector<PoseHypothesis>& poses) {
   std::vector<std::size_t> order(poses.size());

@@ -36,6 +36,23 @@ TEST(Refine, AlignsThePartFromARoughStart) {
   }
 }
 
+TEST(Refine, KeepsWhatTheRankMayKeep) {
+  const Parts parts = {makePart("bracket", bracketPlate())};
+  const sim::Lie lie{10, -5, 600, 20};
+  const Eigen::Isometry3d truth = sim::poseOf(lie);
+  const Shot shot = shoot(sceneOf(bracketPlate(), lie));
+  RefineParams params;  // that drop nothing by its own score
+  params.field_inliers_min = params.image_inliers_min = params.search_inliers_min = 0.0;
+  const auto countAt = [&](double overlap_max) {
+    const std::vector<Candidate> candidates = {candidateNear(truth), candidateNear(truth, 4.0, 28)};
+    return refineCandidates(shot.edges, shot.camera, parts, candidates, std::nullopt, overlap_max,
+                            params, 1)
+        .size();
+  };
+  EXPECT_EQ(countAt(0.5), 1u);
+  EXPECT_EQ(countAt(1.0), 2u);
+}
+
 TEST(Refine, TheCovarianceHoldsTheError) {
   const Parts parts = {makePart("bracket", bracketPlate())};
   double sum = 0.0;
