@@ -14,8 +14,9 @@
 namespace planar_bin_picking {
 
 /// @param points  of the shape
-/// @param T_one, T_other  T_camera_centre of two poses whose outlines are the same to a pixel;
-///          looked at is what lies beside the middle of both
+/// @param T_one, T_other  T_camera_centre of two poses whose outlines differ by a pixel or two (of
+///          the pairs of hypotheses.cpp at 0.12 of the points by more than one); looked at is what
+///          lies beside the middle of both
 /// @return  how much more the bands lie where `one` has walls than where `other` has: their
 ///          correlation over the outline with the difference of the two walls' widths, -1..1,
 ///          brought nearer to 0 where that differs little, or where the blur of the face's edge

@@ -30,7 +30,7 @@ constexpr double kWallChance = 0.3;
 constexpr double kTiltSigma = 0.05, kResiduals = 10.0, kLeastResidualPx = 0.05, kAliensPx = 0.4;
 /// Log odds of a tilt all of whose narrow walls are seen, and none of the other's, fitted to 558
 /// pairs of tilts in 47 rendered scenes, 397 of them of small tabs and washers: 541 were decided
-/// rightly without the walls' bands and 552 with them.
+/// rightly without the walls' bands and 551 with them.
 constexpr double kBandOdds = 12.0;
 /// Share of the print that is confirmed from which on the front is likelier up than the back:
 /// halfway from what chance gives to what a print in view has.
