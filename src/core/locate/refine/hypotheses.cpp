@@ -42,7 +42,8 @@ constexpr double kTiltsApart = 0.07;
 constexpr double kTiltsAligned = 0.05;
 /// The start may be this far beyond the tilt limit: the alignment may turn it to within.
 constexpr double kTiltSlackDeg = 10.0;
-/// The narrow alignment raises an inlier score by less than this.
+/// The narrow alignment raises an inlier score by less than this; and one that is worse by more
+/// after it competes no more.
 constexpr double kHopeless = 0.1;
 /// Where two poses differ in few points, the shadow of one tooth may outweigh these. So the inlier
 /// score of the whole outline may not fall by more than this.

@@ -26,7 +26,8 @@ std::vector<std::size_t> withoutDuplicates(const std::vector<PoseHypothesis>& po
 
 /// Indices, in order, of those that no clearly better pose outscores that is seen where they are:
 /// of one part by more than `overlap_max` of either face, of another one by more than that of both,
-/// since a small part may lie on a large one. At most one of them is answered (rank.h).
+/// since a small part may lie on a large one. Of them the rank would answer one at most, by the
+/// areas of its own masks (rank.h).
 std::vector<std::size_t> withoutOutscored(const std::vector<PoseHypothesis>& poses,
                                           const std::vector<PartOutline>& outlines,
                                           double overlap_max);
