@@ -92,7 +92,8 @@ class Restart(unittest.TestCase):
         self.assertFalse(self.stands("reborn/bracket_1", False))
         self.locate("reborn")
 
-    def test_an_image_from_before_the_clock_was_set_back_is_not_used(self):
+    def start_in_simulated_time(self):
+        """@return  runs the clock for some seconds, so much behind the real one"""
         clock = rospy.Publisher("/clock", Clock, queue_size=1)
         rospy.set_param("/use_sim_time", True)
         try:
@@ -100,11 +101,15 @@ class Restart(unittest.TestCase):
         finally:
             rospy.set_param("/use_sim_time", False)
 
-        def run_clock(offset, seconds):
+        def run_clock(behind, seconds):
             end = time.monotonic() + seconds
             while time.monotonic() < end:
-                clock.publish(Clock(rospy.Time.now() - rospy.Duration(offset)))
+                clock.publish(Clock(rospy.Time.now() - rospy.Duration(behind)))
                 time.sleep(0.01)
+        return run_clock
+
+    def test_an_image_from_before_the_clock_was_set_back_is_not_used(self):
+        run_clock = self.start_in_simulated_time()
         run_clock(0.0, 2.0)
         before = rospy.Time.now() - rospy.Duration(1.0)
         stored = self.call("simulated", not_before=before)
@@ -116,6 +121,16 @@ class Restart(unittest.TestCase):
         again = self.call("simulated", not_before=before - rospy.Duration(99.0),
                           timeout=rospy.Duration(0.5))
         self.assertEqual(again.status, LocatePartResponse.NO_IMAGE, again.message)
+
+    def test_images_without_camera_info_do_not_block_those_after_the_clock_was_set_back(self):
+        run_clock = self.start_in_simulated_time()
+        self.cell.change(has_info=False)
+        run_clock(0.0, 4.0)  # 20 images that wait
+        self.cell.change(has_info=True, image_lead=-100.0)
+        run_clock(100.0, 1.0)
+        answer = self.call("simulated", timeout=rospy.Duration(5.0))
+        # tf has not gone back, so the call may end there; but the image has come.
+        self.assertNotEqual(answer.status, LocatePartResponse.NO_IMAGE, answer.message)
 
 
 if __name__ == "__main__":
