@@ -309,6 +309,7 @@ class Contract(unittest.TestCase):
                               ("camera_info on /camera/camera_info stopped", dict(has_info=False)),
                               ("0.250 s newer", dict(info_lead=0.25)),
                               ("0.250 s older", dict(info_lead=-0.25)),
+                              ("0.040 ms newer", dict(info_lead=4e-5)),
                               ("stamp of zero", dict(zero_stamps=True)),
                               ("too early", dict(image_lead=-60.0))):
             self.cell.good()

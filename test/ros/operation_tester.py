@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: The planar_bin_picking authors
 # SPDX-License-Identifier: BSD-3-Clause
 """One locator that runs on while its bin empties and its parts come and go."""
+import collections
 import os
 import queue
 import shutil
@@ -22,6 +23,7 @@ import rostest
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from planar_bin_picking.srv import ListParts, LocatePart, LocatePartRequest, LocatePartResponse, ReportPick
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
@@ -311,6 +313,13 @@ class Operation(TuningCases, CheckCellCases, RegionCases, unittest.TestCase):
             self.cell.change(**values)
             self.comes_true(lambda: words in self.diagnostics("op")["camera"].message)
             self.assertEqual(self.diagnostics("op")["camera"].level, DiagnosticStatus.ERROR, words)
+            if words == "stopped":  # so many seconds ago; once a minute in the log all the same
+                by_node = collections.Counter()
+                log = rospy.Subscriber("/rosout", Log,
+                                       lambda line: by_node.update([line.name] if words in line.msg else []))
+                time.sleep(4.0)
+                log.unregister()
+                self.assertLessEqual(max(by_node.values(), default=0), 1, by_node)
         parameters = rospy.ServiceProxy("coarse/parameters", Trigger)()
         self.assertTrue(parameters.success)
         for line in ("empty_mark: 0.5", "hough/yaw_step_deg: 5", "failures_max: 2"):

@@ -12,7 +12,7 @@
 #include <std_msgs/Header.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cctype>
 #include <iterator>
 #include <utility>
 
@@ -194,10 +194,23 @@ void Health::camera(Status& status) {
   warn(status);
 }
 
+namespace {
+
+/// What a text says, whatever its numbers are at this second.
+std::string withoutDigits(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(),
+                            [](unsigned char c) { return std::isdigit(c) != 0; }),
+             text.end());
+  return text;
+}
+
+}  // namespace
+
 void Health::warn(const Status& status) {
   constexpr double kAgain = 60.0;  // s
   const std::string text = status.level == DiagnosticStatus::OK ? "" : status.message;
-  if (text == warning_ && (text.empty() || since(warned_) < kAgain)) return;
+  if (withoutDigits(text) == withoutDigits(warning_) && (text.empty() || since(warned_) < kAgain))
+    return;
   const auto newest = source_.newest();
   const std::string frame = newest ? ", frame '" + newest->image->header.frame_id + "'" : "";
   if (text.empty()) {

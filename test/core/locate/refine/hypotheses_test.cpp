@@ -115,28 +115,20 @@ TEST(OtherTilt, ANarrowSideWallTellsToo) {
   }
 }
 
-sim::Plate smallPlate(double scale) {
-  sim::Plate plate = bracketPlate();
-  for (auto& p : plate.outer) p *= scale;
-  for (auto& hole : plate.holes)
-    for (auto& p : hole) p *= scale;
-  return plate;
-}
-
 /// On a larger one, whose edges lie within the reach of a wide alignment, which goes there.
 sim::Scene onALikePart(const Eigen::Isometry3d& truth) {
-  sim::Plate larger = smallPlate(1.1 * 0.35);
+  sim::Plate larger = smallBracket(0.0, 1.1 * 0.35);
   larger.holes.clear();
   sim::Scene scene;
   scene.plates.push_back({larger, truth, 110.0});
-  scene.plates.push_back({smallPlate(0.35), truth});
+  scene.plates.push_back({smallBracket(0.0, 0.35), truth});
   return scene;
 }
 
 TEST(OtherTilt, IsFoundAmongTheEdgesOfALikePart) {
   for (const double tilt_deg : {6.0, 8.0, 10.0}) {
     const Eigen::Isometry3d truth = tilted(tilt_deg);
-    const ChosenPose chosen = Viewed(smallPlate(0.35), onALikePart(truth)).chosenFrom(truth);
+    const ChosenPose chosen = Viewed(smallBracket(0.0, 0.35), onALikePart(truth)).chosenFrom(truth);
     ASSERT_TRUE(chosen.other_tilt) << tilt_deg;
     EXPECT_GT((normalOf(*chosen.other_tilt) - normalOf(chosen.pose)).norm(), 0.05) << tilt_deg;
     EXPECT_GT(chosen.other_tilt->inlier_score, 0.7) << tilt_deg;
@@ -149,7 +141,7 @@ TEST(OtherTilt, IsNotSoughtAmongThemWhereHalfIsCovered) {
     const Eigen::Isometry3d truth = tilted(tilt_deg);
     sim::Scene scene = onALikePart(truth);
     scene.plates.push_back({{rectangle(edge_mm, -40, 40, 40), {}, {}, 0.0}, truth, 200.0});
-    const ChosenPose chosen = Viewed(smallPlate(0.35), scene).chosenFrom(truth);
+    const ChosenPose chosen = Viewed(smallBracket(0.0, 0.35), scene).chosenFrom(truth);
     EXPECT_GT(chosen.pose.inlier_score, 0.5) << tilt_deg;
     EXPECT_FALSE(chosen.other_tilt) << tilt_deg;
   }

@@ -12,11 +12,11 @@ namespace planar_bin_picking {
 inline constexpr double kMetres = 1e-3, kRadians = 1.5 * kDegrees;
 
 /// Half the bracket: so small that its picture hardly tells the sign of the tilt.
-inline sim::Plate smallBracket(double thickness_mm = 0.0) {
+inline sim::Plate smallBracket(double thickness_mm = 0.0, double scale = 0.5) {
   sim::Plate plate = bracketPlate();
-  for (auto& p : plate.outer) p *= 0.5;
+  for (auto& p : plate.outer) p *= scale;
   for (auto& hole : plate.holes)
-    for (auto& p : hole) p *= 0.5;
+    for (auto& p : hole) p *= scale;
   plate.thickness_mm = thickness_mm;
   return plate;
 }
